@@ -1,0 +1,1 @@
+"""Mechanisms by computation: the mathematics of the course, one idea a file."""
