@@ -207,6 +207,7 @@ def _iterate(step, seed, tol, error, max_iterations) -> Iteration:
         try:
             with np.errstate(all="ignore"):  # what overflows or leaves the domain is said below, with the point
                 d = step(x)
+                length = np.linalg.norm(d)
         except ZeroDivisionError as why:
             raise ConvergenceError(f"{why} in iteration {k}, at x = {x}", path(False)) from None
         x = x - d
@@ -214,7 +215,7 @@ def _iterate(step, seed, tol, error, max_iterations) -> Iteration:
             raise ConvergenceError(f"iteration {k} left the domain, from x = {history[-1]} to {x}", path(False))
         size = np.linalg.norm(x) if error == "relative" else 1.0
         history.append(x)
-        errors.append(np.linalg.norm(d) / size if size else np.inf)
+        errors.append(length / size if size else np.inf)
         if errors[-1] < tol:
             return path(True)
     raise ConvergenceError(

@@ -79,7 +79,9 @@ def test_in_one_unknown_both_solvers_take_the_same_steps(bend, seed):
 
 def test_the_relative_error_does_not_depend_on_the_unit_of_x():
     metres = newton_1d(lambda x: x**3 - 2, lambda x: 3 * x**2, 2.0, tol=1e-4, error="relative")
-    millimetres = newton_1d(lambda x: (x / 1e3) ** 3 - 2, lambda x: 3e-3 * (x / 1e3) ** 2, 2e3, tol=1e-4, error="relative")
+    millimetres = newton_1d(
+        lambda x: (x / 1e3) ** 3 - 2, lambda x: 3e-3 * (x / 1e3) ** 2, 2e3, tol=1e-4, error="relative"
+    )
     absolute = newton_1d(lambda x: (x / 1e3) ** 3 - 2, lambda x: 3e-3 * (x / 1e3) ** 2, 2e3, tol=1e-4)
     assert millimetres.iterations == metres.iterations < absolute.iterations
 
