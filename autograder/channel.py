@@ -1,0 +1,301 @@
+"""The judge's end of a worker: questions with a deadline, answers as data.
+
+One thread holds the conversation about a question and answers the worker's own questions on the way; it may be stuck
+for ever at a worker that neither reads nor writes.  The asker waits beside it, and ends the worker when time is over.
+"""
+
+import contextvars
+import os
+import re
+import secrets
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from queue import Empty, SimpleQueue
+from typing import Any, Protocol
+
+from .outcome import Raised, Value
+from .worker import wire
+from .worker.wire import NotData, ProtocolError, WorkerLost
+
+__all__ = [
+    "NotData",
+    "OutputFlood",
+    "ProtocolError",
+    "Raised",
+    "Ran",
+    "TimeLimit",
+    "Value",
+    "Worker",
+    "WorkerDied",
+    "WorkerLost",
+]
+
+ARGUMENTS_MOST = 4 << 20  # bytes; what the judge makes of them may be far larger
+OUTPUT_KEPT = 64 << 10
+OUTPUT_MOST = 4 << 20
+SETTLING = 0.25  # s, for what was printed to arrive: only a worker that closed its output makes us wait that long
+DYING = 1.0  # s, for the last output of a killed worker: only a process that outlives it makes us wait that long
+COLOURS = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]")
+CONTROLS = re.compile("[\0-\b\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+class WorkerDied(WorkerLost):
+    """The worker ended by itself, or was ended by a limit of the system."""
+
+
+class TimeLimit(WorkerLost):
+    """The worker did not answer in time."""
+
+
+class OutputFlood(WorkerLost):
+    """The worker printed more than anybody could read."""
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A cell has run; `raised` is what ended it early, `note` what the reader of a report should know."""
+
+    raised: Raised | None
+    note: str | None
+
+
+class Process(Protocol):
+    """What a channel must be able to do to the process at its other end."""
+
+    def kill(self) -> None: ...
+
+    def bury(self) -> None:
+        """Wait for its end, and remove its files."""
+
+
+class Worker:
+    """One submission's process.
+
+    Parameters
+    ----------
+    requests, replies, output : file descriptors, which the worker takes over
+    process : Process
+    """
+
+    def __init__(self, requests: int, replies: int, output: int, process: Process):
+        self._requests, self._replies, self._process = requests, replies, process
+        self._gone, self._talking, self._ending = False, False, threading.Lock()
+        self._output = _Output(output, self._kill)
+
+    def __enter__(self) -> "Worker":
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def start(self, modules: dict[str, str], seconds: float) -> None:
+        """Hand over the modules that may be imported, as source text by path; to be called once, before all else."""
+
+        def ready(header, body):
+            if header.get("ready") is not True:
+                raise ProtocolError("not ready")
+
+        self._ask({"ask": "start", "modules": modules}, b"", seconds, (), ready)
+
+    def run(self, source: str, seconds: float) -> Ran:
+        """Run one cell.
+
+        Raises
+        ------
+        WorkerLost
+            If the worker did not get through it; it cannot be used any more.
+        """
+
+        def ran(header, body):
+            note = header.get("note")
+            return Ran(_raised(header), None if note is None else printable(wire.text(note, 1_000)))
+
+        return self._ask({"ask": "run", "source": source}, b"", seconds, (), ran)
+
+    def call(
+        self, name: str, arguments: Sequence = (), options: dict[str, Any] | None = None, *, seconds: float
+    ) -> Value | Raised:
+        """Call a function of the submission.
+
+        Parameters
+        ----------
+        arguments, options
+            Data, or functions, at any depth.  A function stays here: the worker asks for its values one by one.
+
+        Raises
+        ------
+        WorkerLost
+            If there was no proper answer in time; the worker cannot be used any more.
+        """
+        functions = []
+
+        def refer(value):
+            if not callable(value):
+                wire.refuse(value)
+            functions.append(value)
+            return ["function", len(functions) - 1]
+
+        code, arrays = wire.encode((tuple(arguments), dict(options or {})), refer)
+
+        def answer(header, body):
+            return _raised(header) or Value(wire.decode(header.get("value"), body))
+
+        return self._ask({"ask": "call", "name": name, "arguments": code}, arrays, seconds, functions, answer)
+
+    @property
+    def output(self) -> str:
+        """What the code has printed so far: the first 64 KiB, without control characters."""
+        return printable(COLOURS.sub("", self._output.kept().decode("utf-8", "replace")))
+
+    def close(self) -> None:
+        """End the worker; its files go with it."""
+        with self._ending:
+            if self._gone:
+                return
+            self._gone = True
+            self._process.kill()
+            self._process.bury()
+            if not self._talking:
+                self._hang_up()
+        self._output.join(DYING)
+
+    def _hang_up(self) -> None:
+        """Close the pipes; never under a thread that still reads them, for their numbers are soon another worker's."""
+        os.close(self._requests)
+        os.close(self._replies)
+
+    def _kill(self) -> None:
+        with self._ending:
+            if not self._gone:
+                self._process.kill()
+
+    def _ask(self, question, body, seconds, functions, read):
+        """Put a question, and give what `read` makes of the answer."""
+        if self._gone:
+            raise WorkerDied("this worker is gone")
+        identity = secrets.token_hex(8)
+        outcome = SimpleQueue()
+
+        def converse():
+            found, error = None, None
+            try:
+                found = self._converse(identity, question, body, functions, read)
+            except (EOFError, OSError):
+                error = WorkerDied("the process ended before it answered")
+            except BaseException as other:
+                error = other
+            with self._ending:
+                self._talking = False
+                if self._gone:
+                    self._hang_up()
+            outcome.put((found, error))
+
+        self._talking = True
+        context = contextvars.copy_context()  # np.errstate and the like hold for the judge's functions, too
+        threading.Thread(target=context.run, args=(converse,), daemon=True).start()
+        try:
+            found, error = outcome.get(timeout=seconds)
+        except Empty:
+            found, error = None, TimeLimit(f"no answer within {seconds:g} s")
+        if error is None:
+            self._output.settle(b"\0%b\0" % identity.encode())
+            return found
+        self.close()
+        if self._output.flooded:
+            raise OutputFlood(f"more than {OUTPUT_MOST >> 20} MiB of output") from None
+        raise error
+
+    def _converse(self, identity, question, body, functions, read):
+        wire.send(self._requests, {"id": identity, **question}, body)
+        while True:
+            header, body = wire.receive(self._replies)
+            if header.get("id") != identity:
+                raise ProtocolError("an answer to a question that nobody asked")
+            if "evaluate" not in header:
+                return read(header, body)
+            if self._gone:
+                raise WorkerDied("this worker is gone")
+            reply, arrays = _evaluate(functions, header, body)
+            wire.send(self._requests, {"id": identity, **reply}, arrays)
+
+
+class _Output(threading.Thread):
+    """Reads what the worker prints, all the time, so that it never has to wait for us."""
+
+    def __init__(self, fd: int, kill: Callable[[], None]):
+        super().__init__(daemon=True)
+        self.fd, self.kill = fd, kill
+        self.data, self.ended, self.flooded = bytearray(), False, False
+        self.changed = threading.Condition()
+        self.start()
+
+    def run(self) -> None:
+        while part := self._read():
+            with self.changed:
+                if not self.flooded:
+                    self.data += part
+                    self.flooded = len(self.data) > OUTPUT_MOST
+                self.changed.notify_all()
+            if self.flooded:
+                self.kill()
+        with self.changed:
+            self.ended = True
+            self.changed.notify_all()
+        os.close(self.fd)
+
+    def _read(self) -> bytes:
+        try:
+            return os.read(self.fd, 1 << 16)
+        except OSError:
+            return b""
+
+    def settle(self, mark: bytes) -> None:
+        """Wait until everything before the mark is here, and take the mark away."""
+        with self.changed:
+            self.changed.wait_for(lambda: self.ended or mark in self.data, SETTLING)
+            self.data = self.data.replace(mark, b"", 1)
+
+    def kept(self) -> bytes:
+        with self.changed:
+            return bytes(self.data[:OUTPUT_KEPT])
+
+
+def printable(string: str) -> str:
+    """Without the characters that move a cursor or turn the direction of reading."""
+    return CONTROLS.sub("", string)
+
+
+def _evaluate(functions, header, body) -> tuple[dict, bytes]:
+    """One value of one of the judge's functions, as the worker asked for it."""
+    index = header["evaluate"]
+    if type(index) is not int or not 0 <= index < len(functions):
+        raise ProtocolError("a function that was never given")
+    if len(body) > ARGUMENTS_MOST:
+        return {"raised": ["ValueError", f"a function was called with more than {ARGUMENTS_MOST >> 20} MiB"]}, b""
+    called = wire.decode(header.get("arguments"), body)
+    if type(called) is not tuple or len(called) != 2 or type(called[0]) is not tuple or type(called[1]) is not dict:
+        raise ProtocolError("arguments that are none")
+    arguments, options = called
+    if not all(type(name) is str for name in options):
+        raise ProtocolError("an argument whose name is no text")
+    try:
+        value = functions[index](*arguments, **options)
+    except Exception as error:
+        return {"raised": [type(error).__name__, str(error)]}, b""
+    code, arrays = wire.encode(value)
+    return {"value": code}, arrays
+
+
+def _raised(header: dict) -> Raised | None:
+    found = header.get("raised")
+    if found is None:
+        return None
+    if type(found) is not list or len(found) != 3 or type(found[1]) is not list or len(found[1]) > 20:
+        raise ProtocolError("an exception that is none")
+    kind, bases, message = found
+    return Raised(
+        printable(wire.text(kind, 80)),
+        tuple(printable(wire.text(base, 80)) for base in bases),
+        printable(wire.text(message, 2_000)),
+    )
