@@ -1,0 +1,33 @@
+"""The exercises of the course, one module a notebook."""
+
+from autograder.checks import e01_newton_1d, e02_newton_nd
+from autograder.spec import Exercise, Task
+
+EXERCISES: dict[str, Exercise] = {e.name: e for e in (e01_newton_1d.EXERCISE, e02_newton_nd.EXERCISE)}
+
+
+def exercise(name: str) -> Exercise:
+    """The exercise of that name.
+
+    Raises
+    ------
+    LookupError
+        If there is none; the sentence lists those that exist.
+    """
+    if name not in EXERCISES:
+        raise LookupError(f"there is no exercise {name!r}: there are {', '.join(EXERCISES)}")
+    return EXERCISES[name]
+
+
+def task(name: str) -> Task:
+    """The task of that name; the names are different in all exercises.
+
+    Raises
+    ------
+    LookupError
+        If there is none; the sentence lists those that exist.
+    """
+    tasks = {t.name: t for e in EXERCISES.values() for t in e.tasks}
+    if name not in tasks:
+        raise LookupError(f"there is no task {name!r}: there are {', '.join(tasks)}")
+    return tasks[name]

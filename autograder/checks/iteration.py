@@ -1,0 +1,89 @@
+"""What can be said of a Newton-Raphson iteration from its history, and from where it evaluated the function."""
+
+import re
+
+import numpy as np
+
+from autograder.compare import Tolerance, difference, numbers
+from autograder.outcome import Raised, Value
+from autograder.spec import Trial
+
+ROUND_OFF = Tolerance(1e-8, "two ways to write a step differ by round-off, some 1e-15 of the scale")
+
+
+def history(trial: Trial) -> np.ndarray | str:
+    """The iterates that were returned, or a sentence that says what came instead."""
+    if isinstance(trial.outcome, Raised):
+        return f"it raised {trial.outcome.type}"
+    assert isinstance(trial.outcome, Value)
+    iterates = numbers(trial.outcome.value)
+    if isinstance(iterates, str):
+        return iterates
+    seed = np.asarray(trial.case.args[2])
+    if iterates.ndim != seed.ndim + 1 or iterates.shape[1:] != seed.shape:
+        return f"its shape is {iterates.shape}, and not (iterations + 1{''.join(f', {n}' for n in seed.shape)})"
+    return iterates if len(iterates) else "it is empty"
+
+
+def ends_on_the_root(trial: Trial, right: Trial) -> str | None:
+    iterates = history(trial)
+    if isinstance(iterates, str):
+        return iterates
+    # as near as the tolerance that was asked for, with room for a slower right way
+    near = Tolerance(1e-6, "the last iterate must be the root", absolute=10 * trial.case.args[3])
+    return difference(right.outcome.value[-1], iterates[-1], near)
+
+
+def takes_newtons_steps(trial: Trial, right: Trial) -> str | None:
+    iterates = history(trial)
+    if isinstance(iterates, str):
+        return iterates
+    newton = right.outcome.value
+    for k, (got, expected) in enumerate(zip(iterates, newton, strict=False)):
+        if difference(expected, got, ROUND_OFF):
+            return "the first entry is not the seed" if k == 0 else f"step {k} is not Newton's"
+    return "there is no step" if len(iterates) == 1 else None
+
+
+def stops_when_asked(trial: Trial, right: Trial) -> str | None:
+    iterates = history(trial)
+    if isinstance(iterates, str):
+        return iterates
+    more = len(iterates) - len(right.outcome.value)
+    if not more:
+        return None
+    return f"it stops {abs(more)} iteration{'s' if abs(more) > 1 else ''} too {'late' if more > 0 else 'early'}"
+
+
+def evaluates_once_an_iteration(trial: Trial, right: Trial) -> str | None:
+    iterates = history(trial)
+    if isinstance(iterates, str):
+        return iterates
+    for name, asked in zip(("the function", "the derivative"), trial.evaluations, strict=True):
+        if len(asked) > len(iterates):  # one more than iterations: a look at the root is forgiven
+            return f"it evaluates {name} {len(asked)} times in {len(iterates) - 1} iterations"
+    return None
+
+
+def fails_aloud(trial: Trial, right: Trial) -> str | None:
+    match trial.outcome:
+        case Raised() as raised if raised.is_a("ArithmeticError"):
+            tried = len(trial.evaluations[0]) >= len(right.evaluations[0]) and any(trial.evaluations)
+            return None if tried else "it gives up before the iterations run out"
+        case Raised(type=name):
+            return f"it raised {name}, which is no ArithmeticError"
+        case _:
+            return "it returned a value where there is no root to be found"
+
+
+def says_where(trial: Trial, right: Trial) -> str | None:
+    if not isinstance(trial.outcome, Raised):
+        return "it returned a value where there is no root to be found"
+    said = [float(n) for n in re.findall(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?", trial.outcome.message)]
+    f, df, *_ = trial.case.args
+    seen = [float(asked[0]) for log in trial.evaluations for asked in log[-2:]]
+    ahead = [x - f(x) / df(x) for x in seen if df(x)]
+    # three digits of the point are enough: the message is for people
+    if any(np.isclose(said, x, rtol=1e-2, atol=1e-9).any() for x in [*seen, *ahead] if np.isfinite(x)):
+        return None
+    return "its message does not tell the x at which it failed"

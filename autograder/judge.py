@@ -1,0 +1,315 @@
+"""The judge: asks, compares, names the mistake, gives the points. It never runs a student's code itself."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib.resources import files
+
+import numpy as np
+
+from autograder.outcome import Lost, Outcome, Raised, Value
+from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, attempt, recorded
+
+Call = Callable[[str, tuple, dict, float], Outcome]
+
+RIGHT, PARTLY, WRONG, ERROR, TIMEOUT, MISSING = "right", "partly", "wrong", "error", "timeout", "missing"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one aspect of a task showed; no fault, full points."""
+
+    says: str
+    points: float
+    fault: str | None
+
+    @property
+    def earned(self) -> float:
+        return 0.0 if self.fault else self.points
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """A task, judged.
+
+    Attributes
+    ----------
+    mistake : the known mistake that it is, and where to look; empty if it is none of them.
+    why : why there is nothing to look at; empty if there is.
+    section : chapter and section of the book to go back to.
+    """
+
+    task: str
+    title: str
+    points: float
+    max: float
+    verdict: str
+    findings: tuple[Finding, ...]
+    section: str
+    mistake: str = ""
+    why: str = ""
+
+    @property
+    def diagnosis(self) -> str:
+        """What is wrong, in a sentence or two; empty if nothing is."""
+        if self.mistake or self.why:
+            return self.mistake or self.why
+        worst = next((finding for finding in self.findings if finding.fault), None)
+        return f"Looked for: {worst.says}. Found: {worst.fault}." if worst else ""
+
+
+def assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Assessment:
+    """Judge one task.
+
+    Parameters
+    ----------
+    task : Task
+    call : callable
+        (function name, args, kwargs, seconds) -> outcome; how the student's function is reached.
+    cases : sequence of Case
+    public : bool
+        Whether the student may see what was tried, and what an exception said. Never for hidden cases.
+
+    Returns
+    -------
+    Assessment
+    """
+    trials: list[Trial] = []
+    for case in cases:
+        args, evaluations = recorded(case)
+        gave_up = next((t.outcome for t in trials if isinstance(t.outcome, Lost)), None)
+        outcome = gave_up or call(task.function, args, case.kwargs, task.seconds)
+        if why := _absent(task, outcome):
+            return _missing(task, why)
+        trials.append(Trial(case, outcome, evaluations))
+    expected = [attempt(task.reference, case) for case in cases]
+
+    first, *further = task.aspects
+    findings = [_look(task, first, trials, expected, public)]
+    for aspect in further:
+        waits = Finding(aspect.says, aspect.points, "it counts once the first holds")
+        findings.append(waits if findings[0].fault else _look(task, aspect, trials, expected, public))
+    earned = sum(finding.earned for finding in findings)
+    judged = partial(Assessment, task.name, task.title, findings=tuple(findings), section=task.section, max=task.points)
+    if earned == task.points:
+        return judged(earned, verdict=RIGHT)
+    lost = next((t.outcome.why for t in trials if isinstance(t.outcome, Lost)), "")
+    if mistake := recognise(task, trials, expected):
+        earned = max(earned, mistake.share * task.points)
+    verdict = _verdict([trial.outcome for trial in trials], earned)
+    return judged(earned, verdict=verdict, mistake=f"{mistake.name}. {mistake.advice}" if mistake else "", why=lost)
+
+
+def recognise(task: Task, trials: Sequence[Trial], expected: Sequence[Trial]) -> Variant | None:
+    """The known mistake that explains every trial; None unless it is the only one that does."""
+    explains = []
+    for variant in task.variants:
+        same = _same_path if variant.by_path else lambda a, b: task.disagreement(a.outcome, b.outcome) is None
+        pairs = [(t, right) for t, right in zip(trials, expected, strict=True) if t.case.kind == variant.kind]
+        imitations = [attempt(variant.function, trial.case) for trial, _ in pairs]
+        tells = any(not same(im, right) for im, (_, right) in zip(imitations, pairs, strict=True))
+        if tells and all(same(im, trial) for im, (trial, _) in zip(imitations, pairs, strict=True)):
+            explains.append(variant)
+    return explains[0] if len(explains) == 1 else None
+
+
+def path(trial: Trial, most: int = 6) -> list[np.ndarray]:
+    """The first different points, in turn, at which the first function of a trial was evaluated."""
+    points: list[np.ndarray] = []
+    for asked in trial.evaluations[0] if trial.evaluations else []:
+        point = np.asarray(asked[0])
+        if not points or point.shape != points[-1].shape or (point != points[-1]).any():
+            points.append(point)
+        if len(points) == most:
+            break
+    return points
+
+
+def _same_path(a: Trial, b: Trial) -> bool:
+    one, other = path(a), path(b)
+    enough = min(len(one), len(other)) >= 3
+    return enough and all(
+        p.shape == q.shape and np.allclose(p, q, rtol=1e-6, atol=1e-9, equal_nan=True)
+        for p, q in zip(one, other, strict=False)
+    )
+
+
+def _look(task: Task, aspect: Aspect, trials: Sequence[Trial], expected: Sequence[Trial], public: bool) -> Finding:
+    for trial, right in zip(trials, expected, strict=True):
+        if trial.case.kind != aspect.kind:
+            continue
+        if aspect.fault is None or isinstance(trial.outcome, Lost):
+            fault = task.disagreement(right.outcome, trial.outcome)
+        else:
+            with np.errstate(all="ignore"):  # a diverging answer may overflow a norm
+                fault = aspect.fault(trial, right)
+        if fault and public and isinstance(trial.outcome, Raised):
+            fault += f", which says: {trial.outcome.message}" if trial.outcome.message else ""
+        if fault and public and trial.case.label:
+            fault += f" (tried: {trial.case.label})"
+        if fault:
+            return Finding(aspect.says, aspect.points, fault)
+    return Finding(aspect.says, aspect.points, None)
+
+
+def _absent(task: Task, outcome: Outcome) -> str | None:
+    match outcome:
+        case Raised(type="NotImplementedError"):
+            return "not started"
+        case Raised(type="NameError", message=message) if message == undefined(task.function):
+            return f"not started: no cell defines {task.function}"
+    return None
+
+
+def undefined(function: str) -> str:
+    """What is said of a function that no cell defines."""
+    return f"{function} is not defined"
+
+
+def _missing(task: Task, why: str) -> Assessment:
+    findings = tuple(Finding(aspect.says, aspect.points, why) for aspect in task.aspects)
+    return Assessment(task.name, task.title, 0.0, task.points, MISSING, findings, task.section, why=why)
+
+
+def _verdict(outcomes: Sequence[Outcome], earned: float) -> str:
+    if any(isinstance(outcome, Lost) and outcome.timeout for outcome in outcomes):
+        return TIMEOUT
+    if earned:
+        return PARTLY
+    return WRONG if any(isinstance(outcome, Value) for outcome in outcomes) else ERROR
+
+
+@dataclass(frozen=True)
+class Graded:
+    """A notebook, judged: its tasks, and what was odd about it."""
+
+    exercise: str
+    assessments: tuple[Assessment, ...]
+    notes: tuple[str, ...] = ()
+    output: str = ""
+    isolation: str = ""
+
+    @property
+    def points(self) -> float:
+        return sum(a.points for a in self.assessments)
+
+    @property
+    def max(self) -> float:
+        return sum(a.max for a in self.assessments)
+
+
+def ungraded(name: str, exercise: Exercise | None, why: str, isolation: str) -> Graded:
+    """A submission of which nothing can be graded, and why."""
+    tasks = tuple(_missing(task, why) for task in exercise.tasks) if exercise else ()
+    stray = Assessment("", name, 0.0, 0.0, MISSING, (), "", why=why)
+    return Graded(name, tasks or (stray,), (why,), "", isolation)
+
+
+def grade(exercise: Exercise, cells: Sequence[str], sandbox, salt: str, student: str, public: bool = False) -> Graded:
+    """Judge a notebook in a worker of the sandbox.
+
+    Parameters
+    ----------
+    exercise : Exercise
+    cells : sequence of str
+        The code cells, in order.
+    sandbox : Sandbox
+    salt, student : str
+        What the cases are drawn from.
+    public : bool
+        Whether the student may see what was tried.
+
+    Returns
+    -------
+    Graded
+    """
+    with Session(exercise, cells, sandbox) as session:
+        assessments = tuple(
+            _explain(assess(task, session.call, task.draw(salt, student), public), session) for task in exercise.tasks
+        )
+        return Graded(exercise.name, assessments, tuple(session.notes), session.output, sandbox.level)
+
+
+def _explain(assessment: Assessment, session: "Session") -> Assessment:
+    """A function is missing because its cell failed: say so where the student looks."""
+    if assessment.verdict != MISSING or not session.failed:
+        return assessment
+    return replace(assessment, why=f"{assessment.why}; {session.failed[0]}")
+
+
+class Session:
+    """A submission in a worker; a worker that is lost is replaced, without the cell that lost it."""
+
+    def __init__(self, exercise: Exercise, cells: Sequence[str], sandbox):
+        self.exercise, self.cells, self.sandbox = exercise, cells, sandbox
+        self.notes: list[str] = []
+        self.failed: list[str] = []
+        self.output = ""
+        self._worker = None
+        self._skip: set[int] = set()
+
+    def __enter__(self) -> "Session":
+        return self
+
+    def __exit__(self, *_) -> None:
+        self._drop()
+
+    def call(self, function: str, args: tuple, kwargs: dict, seconds: float) -> Outcome:
+        from autograder.channel import TimeLimit, WorkerLost
+
+        try:
+            return self._ready().call(function, args, kwargs, seconds=seconds)
+        except TimeLimit:
+            self._drop()
+            return Lost(f"no answer within {seconds:g} s: does a loop never end?", timeout=True)
+        except WorkerLost as lost:
+            self._drop()
+            return Lost(str(lost))
+
+    def _ready(self):
+        """A worker in which every cell has run."""
+        from autograder.channel import TimeLimit, WorkerLost
+
+        while self._worker is None:
+            first = not self._skip and not self.output
+            self._worker = self.sandbox.worker(modules=sources(self.exercise.imports))
+            for i, cell in enumerate(self.cells):
+                if i in self._skip:
+                    continue
+                try:
+                    ran = self._worker.run(cell, seconds=self.exercise.cell_seconds)
+                except WorkerLost as lost:
+                    limit = f"did not end within {self.exercise.cell_seconds:g} s"
+                    why = limit if isinstance(lost, TimeLimit) else f"ended the process: {lost}"
+                    self._skip.add(i)
+                    self._fail(f"code cell {i + 1} {why}, and was left out")
+                    self._drop()
+                    break
+                if ran.note:
+                    self._note(f"code cell {i + 1}: {ran.note}")
+                if ran.raised:
+                    self._fail(f"code cell {i + 1} stopped with {ran.raised.type}: {ran.raised.message}")
+            else:
+                if first:
+                    self.output = self._worker.output
+        return self._worker
+
+    def _note(self, note: str) -> None:
+        if note not in self.notes:
+            self.notes.append(note)
+
+    def _fail(self, note: str) -> None:
+        if note not in self.failed:
+            self.failed.append(note)
+        self._note(note)
+
+    def _drop(self) -> None:
+        if self._worker is not None:
+            self._worker.close()
+            self._worker = None
+
+
+def sources(modules: Sequence[str]) -> dict[str, str]:
+    """The files of mechlib that a submission may import, by name."""
+    names = ["__init__", *modules] if modules else []
+    return {f"mechlib/{name}.py": files("mechlib").joinpath(f"{name}.py").read_text("utf-8") for name in names}

@@ -1,0 +1,96 @@
+"""What people read: the card of a check, the feedback page of a student, the grade table."""
+
+import csv
+from collections.abc import Iterable
+from pathlib import Path
+from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader
+
+from autograder.judge import Assessment, Graded
+
+WORDS = {
+    "right": "right",
+    "partly": "partly right",
+    "wrong": "not right",
+    "error": "stopped with an error",
+    "timeout": "no answer in time",
+    "missing": "not started",
+}
+COLUMNS = ("student", "exercise", "task", "points", "max", "verdict", "diagnosis", "isolation")
+# beside the words, never instead of them; each is seen on white and on black
+COLOURS = {"right": "#2e8b57", "partly": "#b8860b", "missing": "#808080"}
+
+
+def points(value: float) -> str:
+    """Points without needless digits: 2, 1.5, 0.25."""
+    return f"{value:.2f}".rstrip("0").rstrip(".")
+
+
+def sentence(text: str) -> str:
+    """With a capital and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?", "!")) else ".")
+
+
+_templates = Environment(loader=PackageLoader("autograder"), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+_templates.filters["sentence"] = sentence
+_templates.globals.update(points=points, words=WORDS, colours=COLOURS)
+
+
+def card_text(a: Assessment) -> str:
+    """The card of one task as plain text."""
+    lines = [f"{a.task}: {WORDS[a.verdict]}, {points(a.points)} of {points(a.max)} points"]
+    if said := a.mistake or a.why:
+        lines.append(f"  {sentence(said)}")
+    if a.verdict != "missing":
+        for f in a.findings:
+            fault = f". No: {f.fault}." if f.fault else ""
+            lines.append(f"  [{' ' if f.fault else 'x'}] {points(f.earned)} of {points(f.points)}: {f.says}{fault}")
+    if a.verdict != "right":
+        lines.append(f"  To read: {a.section}")
+    return "\n".join(lines)
+
+
+def card_html(a: Assessment) -> str:
+    """The card of one task as HTML without script."""
+    return str(_templates.get_template("card.html").module.card(a))
+
+
+def feedback_page(student: str, title: str, graded: Graded) -> str:
+    """The page that a student gets back."""
+    return _templates.get_template("feedback.html").render(student=student, title=title, graded=graded)
+
+
+def index_page(rows: Iterable[tuple[str, Graded, str]], isolation: str) -> str:
+    """The table of a cohort, for the instructor."""
+    return _templates.get_template("index.html").render(rows=rows, isolation=isolation)
+
+
+def write_grades(path: Path, results: Iterable[tuple[str, Graded]]) -> None:
+    """`grades.csv`: a row a task, sorted, without time stamps, so that two runs can be compared byte by byte."""
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(COLUMNS)
+        for student, g in sorted(results, key=lambda result: (result[0], result[1].exercise)):
+            for a in g.assessments:
+                row = (
+                    student,
+                    g.exercise,
+                    a.task,
+                    points(a.points),
+                    points(a.max),
+                    a.verdict,
+                    a.diagnosis,
+                    g.isolation,
+                )
+                table.writerow([_harmless(cell) for cell in row])
+
+
+def _harmless(cell: str) -> str:
+    """A cell that no spreadsheet takes for a formula: a student chooses the name of a folder, and of an exception."""
+    return f"'{cell}" if cell[:1] in "=+-@\t\r" and cell[:1] else cell
+
+
+def feedback_link(student: str, exercise: str) -> str:
+    """Address of a feedback page, as seen from the index."""
+    return f"feedback/{quote(student)}/{quote(exercise)}.html"

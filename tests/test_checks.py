@@ -1,0 +1,148 @@
+"""The checks themselves are examined: the right answer gets full points, each known mistake gets its name."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from autograder.checks import EXERCISES, exercise, task
+from autograder.judge import assess
+from autograder.outcome import Raised, Value
+from autograder.spec import PUBLIC_SALT, task_table
+
+TASKS = [t for e in EXERCISES.values() for t in e.tasks]
+VARIANTS = [(t, v) for t in TASKS for v in t.variants]
+STUDENTS = [f"student {n}" for n in range(25)]
+POINTS = {"01_newton_1d": [2, 4, 2, 2], "02_newton_nd": [4, 2, 2, 2]}  # as the course says
+
+
+def answering(function):
+    """A submission whose every function is this one, called as the grader calls it."""
+
+    def call(name, args, kwargs, seconds):
+        try:
+            with np.errstate(all="ignore"):
+                return Value(function(*args, **kwargs))
+        except Exception as mistake:
+            return Raised.of(mistake)
+
+    return call
+
+
+def judged(t, function, student, public=False):
+    return assess(t, answering(function), t.draw("salt", student), public)
+
+
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+def test_the_reference_gets_full_points_from_every_draw(t):
+    for student in STUDENTS:
+        assessment = judged(t, t.reference, student)
+        assert (assessment.verdict, assessment.points) == ("right", t.points), assessment.diagnosis
+
+
+@pytest.mark.parametrize(("t", "variant"), VARIANTS, ids=lambda x: x.name)
+def test_a_known_mistake_is_named_from_every_draw_and_loses_points(t, variant):
+    for student in STUDENTS:
+        assessment = judged(t, variant.function, student)
+        assert assessment.diagnosis == f"{variant.name}. {variant.advice}"
+        assert assessment.points < t.points
+        assert assessment.points >= variant.share * t.points
+
+
+def fails(*args, **kwargs):
+    raise ArithmeticError("at x = 1")
+
+
+def refuses(*args, **kwargs):
+    raise ValueError("bad input")
+
+
+EMPTY = [None, 0.0, np.nan, [], [0.0], "text", {}, np.zeros((3, 3)), fails, refuses]
+
+
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+@pytest.mark.parametrize("answer", EMPTY, ids=str)
+def test_an_answer_without_any_work_gets_no_points(t, answer):
+    for student in STUDENTS[:3]:
+        assessment = judged(t, answer if callable(answer) else lambda *args, **kwargs: answer, student)
+        assert assessment.points == 0
+        assert assessment.diagnosis
+
+
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+def test_a_hidden_fault_tells_neither_the_input_nor_the_exceptions_words(t):
+    def leaks(*args, **kwargs):
+        raise RuntimeError(f"hidden input: {args}")
+
+    hidden, public = judged(t, leaks, "anyone"), judged(t, leaks, "anyone", public=True)
+    assert "hidden input" not in str(hidden)
+    assert not any(case.label in str(hidden) for case in t.draw("salt", "anyone"))
+    assert "hidden input" in str(public)
+
+
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+def test_each_student_and_each_salt_has_inputs_of_its_own_and_always_the_same(t):
+    def drawn(salt, student):
+        return [
+            [arg if not callable(arg) else None for arg in case.args] + [case.label] for case in t.draw(salt, student)
+        ]
+
+    assert repr(drawn("salt", "a")) == repr(drawn("salt", "a"))
+    assert len({repr(drawn(*who)) for who in (("salt", "a"), ("salt", "b"), ("pepper", "a"), (PUBLIC_SALT, ""))}) == 4
+
+
+def test_points_are_what_the_course_says():
+    assert {e.name: [t.points for t in e.tasks] for e in EXERCISES.values()} == POINTS
+
+
+def test_names_of_tasks_are_different_in_all_exercises():
+    assert len({t.name for t in TASKS}) == len(TASKS)
+
+
+def test_an_unknown_name_is_answered_with_those_that_exist():
+    with pytest.raises(LookupError, match="there is no exercise '99_x': there are 01_newton_1d, 02_newton_nd"):
+        exercise("99_x")
+    with pytest.raises(LookupError, match="there is no task 'newtn': there are brackets, newton_1d"):
+        task("newtn")
+
+
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+def test_the_section_to_read_exists_in_the_book(t):
+    chapter, section = t.section.split(": ", 1)
+    text = (Path(__file__).parents[1] / "book" / f"{chapter}.md").read_text("utf-8")
+    assert section in re.findall(r"^#+ (.*?)\s*$", text, re.MULTILINE)
+
+
+def test_the_table_of_an_exercise_adds_up():
+    for e in EXERCISES.values():
+        aspects = re.findall(r"^\| \| ([\d.]+) \|", task_table(e), re.MULTILINE)
+        assert sum(map(float, aspects)) == e.points
+        assert f"**{e.points:g}**" in task_table(e)
+
+
+def test_a_slow_right_way_is_no_mistake_but_an_inverse_is():
+    newton = task("newton")
+
+    def by(step):
+        def solver(residual, jacobian, seed, tol, max_iterations):
+            x, history = np.array(seed), [np.array(seed)]
+            for _ in range(max_iterations):
+                d = step(np.asarray(jacobian(x)), np.asarray(residual(x)))
+                x = x - d
+                history.append(x)
+                if np.linalg.norm(d) < tol:
+                    return np.array(history)
+            raise ArithmeticError("no convergence")
+
+        return solver
+
+    def qr(matrix, right):
+        q, r = np.linalg.qr(matrix)
+        return np.linalg.solve(r, q.T @ right)
+
+    for student in STUDENTS[:5]:
+        by_qr = judged(newton, by(qr), student)
+        by_inverse = judged(newton, by(lambda m, b: np.linalg.inv(m) @ b), student)
+        failed = [[f.says for f in a.findings if f.fault and "no inverse" in f.says] for a in (by_qr, by_inverse)]
+        assert [len(f) for f in failed] == [0, 1]
