@@ -1,0 +1,33 @@
+"""Run the pages anew when the code they run has changed: neither Sphinx nor the execution cache looks at it."""
+
+import hashlib
+import shutil
+from pathlib import Path
+
+from sphinx.application import Sphinx
+from sphinx.config import Config
+
+ROOT = Path(__file__).parents[2]
+CODE = ["mechlib/**/*.py", "autograder/**/*.py", "requirements.lock"]
+
+
+def fingerprint() -> str:
+    """Hash of every file a page may run; another hash, another page."""
+    digest = hashlib.sha256()
+    for path in sorted(path for pattern in CODE for path in ROOT.glob(pattern)):
+        digest.update(path.relative_to(ROOT).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def key_the_cache(app: Sphinx, config: Config) -> None:
+    cache = Path(config.nb_execution_cache_path or ROOT / "_build" / ".jupyter_cache")
+    for stale in cache.glob("*"):
+        if stale.name != config.code_fingerprint:
+            shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
+    config.nb_execution_cache_path = str(cache / config.code_fingerprint)
+
+
+def setup(app: Sphinx) -> dict:
+    app.add_config_value("code_fingerprint", fingerprint(), rebuild="env")  # a new value: every page is read anew
+    app.connect("config-inited", key_the_cache)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
