@@ -11,7 +11,7 @@ step = @printf '\n== %s: %s\n' '$@' '$(1)'; $(2) || { printf '\n== %s stopped at
 .NOTPARALLEL:
 
 help:
-	@echo 'make course       install, build the book, release the exercises, grade the sample cohort'
+	@echo 'make course       install, release the exercises, build the book, grade the sample cohort'
 	@echo 'make test         every test: style, exercises up to date, book, notebooks, pytest'
 	@echo 'make proofs       the long proofs'
 	@echo 'make environment  only .venv, from requirements.lock'
@@ -42,8 +42,8 @@ $(INSTALLED): $(BIN)/python requirements.lock pyproject.toml
 	@touch $@
 
 course: environment
-	$(call step,book,$(BIN)/jupyter-book build book -W -n --keep-going)
 	$(call step,release,$(BIN)/autograder release)
+	$(call step,book,$(BIN)/jupyter-book build book -W -n --keep-going)
 	$(call step,sample cohort,$(BIN)/autograder grade tests/cohort/submissions --out _build/cohort --salt tests/cohort/salt --isolation any -j 2)
 	@echo 'Book: $(CURDIR)/_build/html/index.html'
 

@@ -106,7 +106,7 @@ def _try(name: str) -> Level:
 def _advice(name: str, reason: str) -> str:
     """What a person could do about it; empty where we do not know."""
     if "pyseccomp" in reason:
-        return 'install the extra "grade": pip install "mechanisms-by-computation[grade]"'
+        return 'in the folder of the course, pip install -c requirements.lock -e ".[grade]"'
     if "filtered" in reason:
         return "install libseccomp: sudo apt install libseccomp2"
     if "not installed" in reason:
