@@ -209,16 +209,20 @@ def _iterate(step, seed, tol, error, max_iterations) -> Iteration:
                 d = step(x)
                 length = np.linalg.norm(d)
         except ZeroDivisionError as why:
-            raise ConvergenceError(f"{why} in iteration {k}, at x = {x}", path(False)) from None
+            raise ConvergenceError(f"{why} in iteration {k}, at x = {_short(x)}", path(False)) from None
         x = x - d
         if not np.isfinite(x).all():
-            raise ConvergenceError(f"iteration {k} left the domain, from x = {history[-1]} to {x}", path(False))
+            why = f"iteration {k} left the domain, from x = {_short(history[-1])} to {_short(x)}"
+            raise ConvergenceError(why, path(False))
         size = np.linalg.norm(x) if error == "relative" else 1.0
         history.append(x)
         errors.append(length / size if size else np.inf)
         if errors[-1] < tol:
             return path(True)
-    raise ConvergenceError(
-        f"no root after {max_iterations} iterations: last {error} error {errors[-1]:.1e} at x = {x}, tol {tol:.1e}",
-        path(False),
-    )
+    last = f"last {error} error {errors[-1]:.1e} at x = {_short(x)}, tol {tol:.1e}"
+    raise ConvergenceError(f"no root after {max_iterations} iterations: {last}", path(False))
+
+
+def _short(x: np.ndarray | float) -> str:
+    """Six digits: a message is for people."""
+    return f"{x:.6g}" if np.ndim(x) == 0 else np.array2string(x, precision=6)

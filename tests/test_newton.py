@@ -108,7 +108,7 @@ def test_each_iteration_evaluates_the_function_and_its_derivative_once():
 @pytest.mark.parametrize(
     ("f", "df", "seed", "says"),
     [
-        (lambda x: x**2 + 1, lambda x: 2 * x, 0.0, "zero derivative in iteration 1, at x = 0.0"),
+        (lambda x: x**2 + 1, lambda x: 2 * x, 0.0, "zero derivative in iteration 1, at x = 0$"),
         (lambda x: x**3 - 2 * x + 2, lambda x: 3 * x**2 - 2, 0.0, "no root after 50 iterations.* at x = "),
         (lambda x: np.cbrt(x), lambda x: np.cbrt(x) ** -2 / 3, 1.0, "no root after 50 iterations"),
         (lambda x: np.log(x), lambda x: 1 / x, 5.0, "iteration 2 left the domain, from x = -3"),
