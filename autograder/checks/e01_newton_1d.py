@@ -10,6 +10,7 @@ from autograder.checks.iteration import (
     evaluates_once_an_iteration,
     fails_aloud,
     says_where,
+    slips_of_the_history,
     stops_when_asked,
     takes_newtons_steps,
 )
@@ -218,29 +219,12 @@ NEWTON_1D = Task(
             share=0.5,
         ),
         Variant(
-            "The seed is missing from the history",
-            "The history begins before the first step.",
-            lambda *args: iterates(*args)[1:],
-            share=0.5,
-        ),
-        Variant(
-            "The last iterate is missing from the history",
-            "The step that proves convergence is taken: its end is the root.",
-            lambda *args: iterates(*args)[:-1],
-            share=0.5,
-        ),
-        Variant(
             "One iteration too many",
             "Is the error looked at before or after the step that it belongs to?",
             one_too_many,
             share=0.5,
         ),
-        Variant(
-            "The root alone is returned",
-            "The history holds every iterate: the order of convergence is read from it.",
-            lambda *args: iterates(*args)[-1],
-            share=0.25,
-        ),
+        *slips_of_the_history(iterates),
     ),
 )
 

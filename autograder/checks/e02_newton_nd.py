@@ -8,6 +8,7 @@ from autograder.checks.iteration import (
     ends_on_the_root,
     fails_aloud,
     history,
+    slips_of_the_history,
     stops_when_asked,
     takes_newtons_steps,
 )
@@ -158,24 +159,7 @@ NEWTON = Task(
             on_the_residual,
             share=0.5,
         ),
-        Variant(
-            "The seed is missing from the history",
-            "The history begins before the first step.",
-            lambda *args: iterates(*args)[1:],
-            share=0.5,
-        ),
-        Variant(
-            "The last iterate is missing from the history",
-            "The step that proves convergence is taken: its end is the root.",
-            lambda *args: iterates(*args)[:-1],
-            share=0.5,
-        ),
-        Variant(
-            "The root alone is returned",
-            "The history holds every iterate: the order of convergence is read from it.",
-            lambda *args: iterates(*args)[-1],
-            share=0.25,
-        ),
+        *slips_of_the_history(iterates),
     ),
 )
 

@@ -1,12 +1,13 @@
 """What can be said of a Newton-Raphson iteration from its history, and from where it evaluated the function."""
 
 import re
+from collections.abc import Callable
 
 import numpy as np
 
 from autograder.compare import Tolerance, difference, numbers
 from autograder.outcome import Raised, Value
-from autograder.spec import Trial
+from autograder.spec import Trial, Variant
 
 ROUND_OFF = Tolerance(1e-8, "two ways to write a step differ by round-off, some 1e-15 of the scale")
 
@@ -87,3 +88,27 @@ def says_where(trial: Trial, right: Trial) -> str | None:
     if any(np.isclose(said, x, rtol=1e-2, atol=1e-9).any() for x in [*seen, *ahead] if np.isfinite(x)):
         return None
     return "its message does not tell the x at which it failed"
+
+
+def slips_of_the_history(iterates: Callable) -> tuple[Variant, ...]:
+    """Mistakes in what is kept of a right iteration, whose reference returns its iterates."""
+    return (
+        Variant(
+            "The seed is missing from the history",
+            "The history begins before the first step.",
+            lambda *args: iterates(*args)[1:],
+            share=0.5,
+        ),
+        Variant(
+            "The last iterate is missing from the history",
+            "The step that proves convergence is taken: its end is the root.",
+            lambda *args: iterates(*args)[:-1],
+            share=0.5,
+        ),
+        Variant(
+            "The root alone is returned",
+            "The history holds every iterate: the order of convergence is read from it.",
+            lambda *args: iterates(*args)[-1],
+            share=0.25,
+        ),
+    )
