@@ -59,7 +59,7 @@ class Assessment:
 
 
 def assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Assessment:
-    """Judge one task.
+    """Judge one task; an answer that the check itself cannot digest is an error of that task alone.
 
     Parameters
     ----------
@@ -74,6 +74,14 @@ def assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Asses
     -------
     Assessment
     """
+    try:
+        return _assess(task, call, cases, public)
+    except Exception as mistake:  # a student's answer may be anything: its neighbours go on
+        why = f"the check does not understand this answer ({type(mistake).__name__}): show it to your instructor"
+        return replace(_missing(task, why), verdict=ERROR)
+
+
+def _assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Assessment:
     trials: list[Trial] = []
     for case in cases:
         args, evaluations = recorded(case)

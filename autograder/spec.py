@@ -14,7 +14,8 @@ import numpy as np
 from autograder.compare import Tolerance, disagreement
 from autograder.outcome import Outcome, Raised, Value
 
-MOST_EVALUATIONS = 100_000  # of one function in one case; what needs more does not converge
+MOST_EVALUATIONS = 20_000  # of one function in one case; what needs more does not converge
+MOST_NUMBERS = 2_000  # in one evaluation: a matrix of their size still fits into the judge
 
 PUBLIC_SALT = "public"  # the cases that a student's own check draws; a cohort is graded with a salt of its own
 
@@ -165,12 +166,16 @@ def recorded(case: Case) -> tuple[tuple, tuple[list[tuple], ...]]:
         evaluations.append(asked)
 
         def evaluate(*args):
+            # copies: the caller may step on in place
+            point = tuple(np.array(arg, dtype=float)[()] for arg in args)
+            if sum(map(np.size, point)) > MOST_NUMBERS:
+                raise ValueError(f"a function takes at most {MOST_NUMBERS} numbers at once")
             if len(asked) >= MOST_EVALUATIONS:
                 raise RuntimeError(f"the function was evaluated {MOST_EVALUATIONS} times")
-            # a copy: the caller may step on in place
-            asked.append(tuple(np.array(arg, dtype=float)[()] for arg in args))
             with np.errstate(all="ignore"):
-                return function(*args)
+                value = function(*args)
+            asked.append(point)
+            return value
 
         return evaluate
 

@@ -1,6 +1,8 @@
 """The checks themselves are examined: the right answer gets full points, each known mistake gets its name."""
 
+import contextlib
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +70,57 @@ def test_an_answer_without_any_work_gets_no_points(t, answer):
         assessment = judged(t, answer if callable(answer) else lambda *args, **kwargs: answer, student)
         assert assessment.points == 0
         assert assessment.diagnosis
+
+
+def probing(how):
+    """A submission that evaluates every function it is handed in an odd way, and then answers in an odd way."""
+
+    def answer(*args, **kwargs):
+        for arg in args:
+            if callable(arg):
+                with contextlib.suppress(Exception):
+                    how(arg)
+        raise ArithmeticError("no luck")
+
+    return answer
+
+
+ODD = {
+    "nothing": lambda f: f(),
+    "two arguments": lambda f: f(1.0, 2.0),
+    "text": lambda f: f("x"),
+    "a list of one": lambda f: f([1.0]),
+    "an empty array": lambda f: f(np.empty(0)),
+    "a matrix": lambda f: f(np.ones((3, 3))),
+    "nan": lambda f: f(np.nan),
+    "a bomb": lambda f: f(np.ones(1_000_000)),
+}
+STRANGE = [
+    [[np.nan, 1.0]],
+    [[np.inf, 0]],
+    np.full((4, 4), np.inf),
+    np.ones((100_000, 2)),
+    [[0.5, 1]],
+    [[1, 2, 3]],
+    [[[]]],
+    {1: 2},
+]
+
+
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+def test_no_odd_evaluation_and_no_strange_answer_upsets_the_judge(t):
+    functions = [probing(how) for how in ODD.values()] + [lambda *args, value=value: value for value in STRANGE]
+    for function in functions:
+        assessment = judged(t, function, "anyone")
+        assert assessment.points == 0
+        assert "does not understand" not in assessment.diagnosis
+
+
+def test_an_answer_that_breaks_a_check_is_an_error_of_its_task_alone():
+    broken = replace(TASKS[0], aspects=(replace(TASKS[0].aspects[0], fault=lambda trial, right: 1 / 0),))
+    assessment = judged(broken, broken.reference, "anyone")
+    assert (assessment.verdict, assessment.points) == ("error", 0)
+    assert "does not understand this answer (ZeroDivisionError)" in assessment.diagnosis
 
 
 @pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)

@@ -270,6 +270,8 @@ def same_places(expected: Outcome, got: Outcome) -> str | None:
                 return places
             if places.size and (places.ndim != 2 or places.shape[1] != 2):
                 return f"its shape is {places.shape}, and not (number of wrong entries, 2)"
+            if len(places) > 1000 or not (np.isfinite(places) & (places == np.round(places))).all():
+                return "it does not name entries by two whole numbers each"
             found, planted = ({tuple(map(int, p)) for p in pairs} for pairs in (places.reshape(-1, 2), right))
             missed, extra = len(planted - found), len(found - planted)
             if not missed and not extra:

@@ -82,7 +82,7 @@ def says_where(trial: Trial, right: Trial) -> str | None:
         return "it returned a value where there is no root to be found"
     said = [float(n) for n in re.findall(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?", trial.outcome.message)]
     f, df, *_ = trial.case.args
-    seen = [float(asked[0]) for log in trial.evaluations for asked in log[-2:]]
+    seen = [float(np.ravel(asked[0])[0]) for log in trial.evaluations for asked in log[-2:] if np.size(asked[0]) == 1]
     ahead = [x - f(x) / df(x) for x in seen if df(x)]
     # three digits of the point are enough: the message is for people
     if any(np.isclose(said, x, rtol=1e-2, atol=1e-9).any() for x in [*seen, *ahead] if np.isfinite(x)):
