@@ -8,11 +8,14 @@ from importlib.resources import files
 import numpy as np
 
 from autograder.outcome import Lost, Outcome, Raised, Value
-from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, attempt, recorded
+from autograder.spec import MOST_EVALUATIONS, Aspect, Case, Exercise, Task, Trial, Variant, attempt, recorded
 
 Call = Callable[[str, tuple, dict, float], Outcome]
 
 RIGHT, PARTLY, WRONG, ERROR, TIMEOUT, MISSING = "right", "partly", "wrong", "error", "timeout", "missing"
+
+# One sentence, whichever limit is met first: a fast computer meets that of the evaluations, a slow one the clock's.
+ENDLESS = Lost("it did not end in time: does a loop never end?", timeout=True)
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,12 @@ class Assessment:
         if self.mistake or self.why:
             return self.mistake or self.why
         worst = next((finding for finding in self.findings if finding.fault), None)
-        return f"Looked for: {worst.says}. Found: {worst.fault}." if worst else ""
+        return f"Looked for: {worst.says}. Found: {stopped(worst.fault)}" if worst else ""
+
+
+def stopped(text: str) -> str:
+    """With a full stop, unless it ends in a mark of its own."""
+    return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
 def assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Assessment:
@@ -87,6 +95,8 @@ def _assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Asse
         args, evaluations = recorded(case)
         gave_up = next((t.outcome for t in trials if isinstance(t.outcome, Lost)), None)
         outcome = gave_up or call(task.function, args, case.kwargs, task.seconds)
+        if any(len(asked) >= MOST_EVALUATIONS for asked in evaluations):
+            outcome = ENDLESS
         if why := _absent(task, outcome):
             return _missing(task, why)
         trials.append(Trial(case, outcome, evaluations))
@@ -269,7 +279,7 @@ class Session:
             return self._ready().call(function, args, kwargs, seconds=seconds)
         except TimeLimit:
             self._drop()
-            return Lost(f"no answer within {seconds:g} s: does a loop never end?", timeout=True)
+            return ENDLESS
         except WorkerLost as lost:
             self._drop()
             return Lost(str(lost))

@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader
 
-from autograder.judge import Assessment, Graded
+from autograder.judge import Assessment, Graded, stopped
 
 WORDS = {
     "right": "right",
@@ -29,11 +29,11 @@ def points(value: float) -> str:
 
 def sentence(text: str) -> str:
     """With a capital and a full stop."""
-    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?", "!")) else ".")
+    return stopped(text[:1].upper() + text[1:])
 
 
 _templates = Environment(loader=PackageLoader("autograder"), autoescape=True, trim_blocks=True, lstrip_blocks=True)
-_templates.filters["sentence"] = sentence
+_templates.filters.update(sentence=sentence, stopped=stopped)
 _templates.globals.update(points=points, words=WORDS, colours=COLOURS)
 
 
@@ -44,7 +44,7 @@ def card_text(a: Assessment) -> str:
         lines.append(f"  {sentence(said)}")
     if a.verdict != "missing":
         for f in a.findings:
-            fault = f". No: {f.fault}." if f.fault else ""
+            fault = f". No: {stopped(f.fault)}" if f.fault else ""
             lines.append(f"  [{' ' if f.fault else 'x'}] {points(f.earned)} of {points(f.points)}: {f.says}{fault}")
     if a.verdict != "right":
         lines.append(f"  To read: {a.section}")

@@ -116,6 +116,17 @@ def test_no_odd_evaluation_and_no_strange_answer_upsets_the_judge(t):
         assert "does not understand" not in assessment.diagnosis
 
 
+def test_a_loop_that_never_stops_asking_is_endless_on_a_fast_computer_too():
+    def loops(f, df, seed, tol, error, max_iterations):
+        while True:
+            f(seed)
+
+    for name in ("newton_1d", "failures"):
+        assessment = judged(task(name), loops, "anyone")
+        assert (assessment.verdict, assessment.points) == ("timeout", 0)
+        assert assessment.diagnosis == "it did not end in time: does a loop never end?"
+
+
 def test_an_answer_that_breaks_a_check_is_an_error_of_its_task_alone():
     broken = replace(TASKS[0], aspects=(replace(TASKS[0].aspects[0], fault=lambda trial, right: 1 / 0),))
     assessment = judged(broken, broken.reference, "anyone")
