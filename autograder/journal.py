@@ -31,6 +31,7 @@ class Journal:
     """
 
     def __init__(self, path: Path):
+        path.touch(mode=0o600)  # the salt is nobody else's
         self._db = sqlite3.connect(path, timeout=30)
         self._db.executescript(SCHEMA)
 

@@ -208,6 +208,12 @@ def test_a_scheduler_that_does_not_answer_is_refused(tmp_path):
         grade_cohort(tmp_path / "in", tmp_path / "out", "none", SALT, scheduler="nowhere:1:2")
 
 
+def test_the_journal_with_the_salt_is_the_instructors_alone(tmp_path):
+    hand_in(tmp_path / "in", "a", "01_newton_1d", b"")
+    grade_cohort(tmp_path / "in", tmp_path / "out", "none")
+    assert (tmp_path / "out/journal.sqlite").stat().st_mode & 0o077 == 0
+
+
 def test_an_empty_folder_is_refused(tmp_path):
     with pytest.raises(Refused, match=r"holds no <student>/<exercise>\.ipynb"):
         grade_cohort(tmp_path, tmp_path / "out", "none", SALT)
