@@ -52,6 +52,15 @@ def test_a_known_mistake_is_named_from_every_draw_and_loses_points(t, variant):
         assert assessment.points >= variant.share * t.points
 
 
+@pytest.mark.proof
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+def test_a_whole_years_students_are_told_the_same_of_the_same_answer(t):
+    for student in (f"year {n}" for n in range(300)):
+        assert judged(t, t.reference, student).verdict == "right", student
+        for variant in t.variants:
+            assert judged(t, variant.function, student).diagnosis.startswith(f"{variant.name}. "), student
+
+
 def fails(*args, **kwargs):
     raise ArithmeticError("at x = 1")
 
