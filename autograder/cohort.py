@@ -134,6 +134,8 @@ def grade_cohort(
     Refused
         If there is nothing to grade, or nobody answers at the address.
     """
+    if out.resolve().is_relative_to(folder.resolve()):
+        raise Refused(f"the output {out} lies inside the submissions {folder}: name a folder outside")
     with unpacked(folder) as submitted:
         submissions = find(submitted)
         out.mkdir(parents=True, exist_ok=True)

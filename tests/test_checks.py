@@ -136,6 +136,23 @@ def test_a_loop_that_never_stops_asking_is_endless_on_a_fast_computer_too():
         assert assessment.diagnosis == "it did not end in time: does a loop never end?"
 
 
+def test_a_singular_jacobian_may_be_refused_before_the_residual_is_asked_for():
+    def solver(residual, jacobian, seed, tol, max_iterations):
+        x, history = np.array(seed), [np.array(seed)]
+        for _ in range(max_iterations):
+            matrix = np.asarray(jacobian(x))
+            if np.linalg.matrix_rank(matrix) < len(x):
+                raise ArithmeticError(f"singular at {x}")
+            d = np.linalg.solve(matrix, residual(x))
+            x = x - d
+            history.append(x)
+            if np.linalg.norm(d) < tol:
+                return np.array(history)
+        raise ArithmeticError(f"no convergence at {x}")
+
+    assert judged(task("newton"), solver, "anyone").verdict == "right"
+
+
 def test_an_answer_that_breaks_a_check_is_an_error_of_its_task_alone():
     broken = replace(TASKS[0], aspects=(replace(TASKS[0].aspects[0], fault=lambda trial, right: 1 / 0),))
     assessment = judged(broken, broken.reference, "anyone")

@@ -214,9 +214,17 @@ def test_the_journal_with_the_salt_is_the_instructors_alone(tmp_path):
     assert (tmp_path / "out/journal.sqlite").stat().st_mode & 0o077 == 0
 
 
+def test_an_output_among_the_submissions_is_refused(tmp_path):
+    hand_in(tmp_path / "in", "a", "01_newton_1d", b"")
+    for out in (tmp_path / "in", tmp_path / "in/a"):
+        with pytest.raises(Refused, match="lies inside the submissions"):
+            grade_cohort(tmp_path / "in", out, "none")
+
+
 def test_an_empty_folder_is_refused(tmp_path):
+    (empty := tmp_path / "in").mkdir()
     with pytest.raises(Refused, match=r"holds no <student>/<exercise>\.ipynb"):
-        grade_cohort(tmp_path, tmp_path / "out", "none", SALT)
+        grade_cohort(empty, tmp_path / "out", "none", SALT)
 
 
 def test_what_is_graded_already_is_not_graded_again_unless_it_changed(tmp_path, monkeypatch):

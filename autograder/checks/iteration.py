@@ -69,7 +69,8 @@ def evaluates_once_an_iteration(trial: Trial, right: Trial) -> str | None:
 def fails_aloud(trial: Trial, right: Trial) -> str | None:
     match trial.outcome:
         case Raised() as raised if raised.is_a("ArithmeticError"):
-            tried = len(trial.evaluations[0]) >= len(right.evaluations[0]) and any(trial.evaluations)
+            pairs = zip(trial.evaluations, right.evaluations, strict=True)
+            tried = any(asked and len(asked) >= len(needed) for asked, needed in pairs)
             return None if tried else "it gives up before the iterations run out"
         case Raised(type=name):
             return f"it raised {name}, which is no ArithmeticError"
