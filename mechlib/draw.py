@@ -1,6 +1,7 @@
 """What the chapters draw: figures that stay readable on a phone and on a dark page, and tables in Markdown."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import cycle
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -108,6 +109,32 @@ def convergence(errors: Mapping[str, ArrayLike], ylabel: str, ax: Axes | None = 
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.legend()
     return ax.figure
+
+
+def panels(x: ArrayLike, curves: Mapping[str, ArrayLike], xlabel: str, colors: Sequence[str] = (BLUE,)) -> Figure:
+    """Several quantities over one axis, a panel each, one below the other.
+
+    Parameters
+    ----------
+    x : array_like, shape (points,)
+    curves : mapping of label to array_like, shape (points,)
+        The labels are written above the panels: symbol and unit.
+    xlabel : str
+    colors : sequence of str
+        Of the curves in turn, over and over.
+
+    Returns
+    -------
+    Figure
+    """
+    width = STYLE["figure.figsize"][0]
+    fig, axes = plt.subplots(len(curves), sharex=True, squeeze=False, figsize=(width, 0.6 + 1.5 * len(curves)))
+    for ax, (label, values), color in zip(axes[:, 0], curves.items(), cycle(colors), strict=False):
+        ax.plot(x, values, color=color)
+        ax.set_title(label, loc="left", fontsize=STYLE["font.size"])
+        ax.margins(x=0)
+    axes[-1, 0].set_xlabel(xlabel)
+    return fig
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

@@ -1,0 +1,212 @@
+"""A loop closure, written once: its velocity and acceleration equations and its Jacobian are derived and compiled.
+
+The equations F(q, u) = 0 tie the unknowns q to the input u. Their time derivatives are linear in what is new in them,
+
+    J q' + F_u u' = 0,        J q'' + gamma = 0,        J = dF/dq,
+
+with the same matrix J: once the position is known, a linear solve gives the velocity, and another the acceleration.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+
+class OpenLoopError(ValueError):
+    """A loop that cannot close.
+
+    Attributes
+    ----------
+    points : ndarray of int, shape (k,)
+        The points of the motion at which it stays open; counted over all axes if there are several.
+    gaps : ndarray, shape (k,)
+        By how much, m.
+    """
+
+    def __init__(self, what: str, inputs: ArrayLike, gaps: ArrayLike):
+        inputs, gaps = np.ravel(inputs), np.ravel(gaps)
+        self.points = np.flatnonzero(gaps > 0)
+        self.gaps = gaps[self.points]
+        first, others = self.points[0], len(self.points) - 1
+        many = f" (and at {others} other point{'s' if others > 1 else ''})" if others else ""
+        super().__init__(
+            f"the loop cannot close at {what} = {inputs[first]:.6g}: {self.gaps[0]:.3g} m are missing{many}"
+        )
+
+
+class Coordinate(NamedTuple):
+    """The symbols of a coordinate and of its first two time derivatives."""
+
+    position: sp.Symbol
+    velocity: sp.Symbol
+    acceleration: sp.Symbol
+
+    @classmethod
+    def named(cls, names: str) -> "Coordinate":
+        """From three names, as ``"theta_1 omega_1 alpha_1"``."""
+        return cls(*sp.symbols(names))
+
+
+@dataclass(frozen=True)
+class Closure:
+    """A loop closure in symbols, and what follows from it.
+
+    Attributes
+    ----------
+    equations : tuple of n expressions
+        Zero where the loop is closed.
+    unknowns : tuple of n Coordinate
+    input : Coordinate
+    parameters : tuple of Symbol
+        The lengths of the mechanism.
+    """
+
+    equations: tuple[sp.Expr, ...]
+    unknowns: tuple[Coordinate, ...]
+    input: Coordinate
+    parameters: tuple[sp.Symbol, ...]
+
+    @cached_property
+    def position_equations(self) -> sp.Matrix:
+        return sp.Matrix(self.equations)
+
+    @cached_property
+    def velocity_equations(self) -> sp.Matrix:
+        return self._time_derivative(self.position_equations)
+
+    @cached_property
+    def acceleration_equations(self) -> sp.Matrix:
+        return self._time_derivative(self.velocity_equations)
+
+    @cached_property
+    def jacobian(self) -> sp.Matrix:
+        """Of the position equations by the positions; the velocity and acceleration equations have it too."""
+        return self.position_equations.jacobian([q.position for q in self.unknowns])
+
+    def _time_derivative(self, equations: sp.Matrix) -> sp.Matrix:
+        """The chain rule: a position changes at its velocity, and a velocity at its acceleration."""
+        total = sp.zeros(*equations.shape)
+        for q in (*self.unknowns, self.input):
+            total += equations.diff(q.position) * q.velocity + equations.diff(q.velocity) * q.acceleration
+        return total.expand()
+
+    @cached_property
+    def _functions(self) -> dict[str, Callable]:
+        positions, velocities, accelerations = (list(symbols) for symbols in zip(*self.unknowns, strict=True))
+        u, du, ddu = self.input
+        at_rest = dict.fromkeys(velocities, 0)
+        unaccelerated = dict.fromkeys(accelerations, 0)
+        return {
+            "residual": _compiled((*positions, u, *self.parameters), self.position_equations),
+            "jacobian": _compiled((*positions, u, *self.parameters), self.jacobian),
+            "drive": _compiled((*positions, u, du, *self.parameters), self.velocity_equations.subs(at_rest)),
+            "gamma": _compiled(
+                (*positions, *velocities, u, du, ddu, *self.parameters),
+                self.acceleration_equations.subs(unaccelerated),
+            ),
+        }
+
+    def loop(self, *parameters: float) -> "Loop":
+        """The closure with numbers for its parameters, in their order."""
+        if len(parameters) != len(self.parameters):
+            raise ValueError(f"the closure has the parameters {self.parameters}, got {len(parameters)} numbers")
+        return Loop(self, parameters)
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A loop closure in numbers: arrays in, arrays out, any leading axes.
+
+    Attributes
+    ----------
+    closure : Closure
+    parameters : tuple of float
+    """
+
+    closure: Closure
+    parameters: tuple[float, ...]
+
+    def residual(self, q: ArrayLike, u: ArrayLike) -> np.ndarray:
+        """F(q, u): by how much the loop is open; shapes (..., n), (...) -> (..., n)."""
+        return self._call("residual", *_columns(q), u)[..., 0]
+
+    def jacobian(self, q: ArrayLike, u: ArrayLike) -> np.ndarray:
+        """J(q, u) = dF/dq; shapes (..., n), (...) -> (..., n, n)."""
+        return self._call("jacobian", *_columns(q), u)
+
+    def velocity(self, q: ArrayLike, u: ArrayLike, du: ArrayLike) -> np.ndarray:
+        """Velocities of the unknowns at a closed position, from J q' = -F_u u'.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            Positions that close the loop.
+        u, du : array_like, shape (...)
+            The input and its velocity.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+
+        Raises
+        ------
+        ZeroDivisionError
+            In a singular position, where the velocity is not determined; the sentence says at which point.
+        """
+        return self._solve(q, u, self._call("drive", *_columns(q), u, du))
+
+    def acceleration(self, q: ArrayLike, v: ArrayLike, u: ArrayLike, du: ArrayLike, ddu: ArrayLike) -> np.ndarray:
+        """Accelerations of the unknowns at a closed position, from J q'' = -gamma.
+
+        Parameters
+        ----------
+        q, v : array_like, shape (..., n)
+            Positions that close the loop, and their velocities.
+        u, du, ddu : array_like, shape (...)
+            The input, its velocity and its acceleration.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+
+        Raises
+        ------
+        ZeroDivisionError
+            In a singular position; the sentence says at which point.
+        """
+        return self._solve(q, u, self._call("gamma", *_columns(q), *_columns(v), u, du, ddu))
+
+    def _call(self, name: str, *arguments: ArrayLike) -> np.ndarray:
+        return self.closure._functions[name](*arguments, *self.parameters)
+
+    def _solve(self, q: ArrayLike, u: ArrayLike, known: np.ndarray) -> np.ndarray:
+        jacobian = self.jacobian(q, u)
+        try:
+            return np.linalg.solve(jacobian, -known)[..., 0]
+        except np.linalg.LinAlgError:
+            point = int(np.argmin(np.abs(np.linalg.det(jacobian))))
+            where = f"{self.closure.input.position} = {np.ravel(u)[point]:.6g}"
+            raise ZeroDivisionError(f"singular position at point {point}, {where}: no velocity is determined") from None
+
+
+def _columns(q: ArrayLike) -> np.ndarray:
+    """The coordinates one by one, each an array over the points."""
+    return np.moveaxis(np.asarray(q, dtype=float), -1, 0)
+
+
+def _compiled(arguments: tuple[sp.Symbol, ...], matrix: sp.Matrix) -> Callable[..., np.ndarray]:
+    """A function of arrays that gives the matrix at every point; an entry may be constant."""
+    entries = sp.lambdify(arguments, list(matrix), "numpy", cse=True)
+
+    def function(*values: ArrayLike) -> np.ndarray:
+        out = np.empty((*np.broadcast_shapes(*map(np.shape, values)), len(matrix)))
+        for k, entry in enumerate(entries(*values)):
+            out[..., k] = entry
+        return out.reshape(*out.shape[:-1], *matrix.shape)
+
+    return function
