@@ -186,17 +186,19 @@ class Loop:
 
     def _solve(self, q: ArrayLike, u: ArrayLike, known: np.ndarray) -> np.ndarray:
         jacobian = self.jacobian(q, u)
-        try:
-            return np.linalg.solve(jacobian, -known)[..., 0]
-        except np.linalg.LinAlgError:
-            point = int(np.argmin(np.abs(np.linalg.det(jacobian))))
-            where = f"{self.closure.input.position} = {np.ravel(u)[point]:.6g}"
-            raise ZeroDivisionError(f"singular position at point {point}, {where}: no velocity is determined") from None
+        bound = np.linalg.norm(jacobian, axis=-1).prod(axis=-1)  # Hadamard: no determinant is larger
+        singular = np.abs(np.linalg.det(jacobian)) <= len(self.closure.unknowns) * np.finfo(float).eps * bound
+        if singular.any():
+            point = int(np.flatnonzero(singular)[0])
+            where = f"{self.closure.input.position} = {np.broadcast_to(u, singular.shape).flat[point]:.6g}"
+            raise ZeroDivisionError(f"singular position at point {point}, {where}: no velocity is determined")
+        return np.linalg.solve(jacobian, -known)[..., 0]
 
 
-def _columns(q: ArrayLike) -> np.ndarray:
+def _columns(q: ArrayLike) -> list[np.ndarray]:
     """The coordinates one by one, each an array over the points."""
-    return np.moveaxis(np.asarray(q, dtype=float), -1, 0)
+    q = np.asarray(q, dtype=float)
+    return [q[..., i] for i in range(q.shape[-1])]
 
 
 def _compiled(arguments: tuple[sp.Symbol, ...], matrix: sp.Matrix) -> Callable[..., np.ndarray]:
@@ -204,7 +206,7 @@ def _compiled(arguments: tuple[sp.Symbol, ...], matrix: sp.Matrix) -> Callable[.
     entries = sp.lambdify(arguments, list(matrix), "numpy", cse=True)
 
     def function(*values: ArrayLike) -> np.ndarray:
-        out = np.empty((*np.broadcast_shapes(*map(np.shape, values)), len(matrix)))
+        out = np.empty((*np.broadcast(*values).shape, len(matrix)))
         for k, entry in enumerate(entries(*values)):
             out[..., k] = entry
         return out.reshape(*out.shape[:-1], *matrix.shape)
