@@ -2,6 +2,8 @@
 
 import os
 import shutil
+from contextlib import contextmanager
+from urllib.parse import urlsplit
 
 import pytest
 from hypothesis import settings
@@ -61,3 +63,47 @@ def chromium():
             pytest.skip(f"browser: {path} does not start ({str(error).splitlines()[0]})")
         yield browser
         browser.close()
+
+
+# WCAG 2.1 AA. A violation is told with the rule, the element, and what would mend it.
+AXE = """async () => {
+    const rules = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"];
+    const { violations } = await axe.run(document, { runOnly: rules, resultTypes: ["violations"], preload: false });
+    return violations.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html} ${node.failureSummary}`));
+}"""
+
+
+@pytest.fixture(scope="session")
+def axe():
+    """What of the page in a tab breaks the rules of WCAG 2.1 AA."""
+    script = pytest.importorskip("axe_playwright_python.sync_playwright", reason="browser: no axe").Axe().axe_script
+
+    def violations(tab):
+        tab.evaluate(script)
+        return tab.evaluate(AXE)
+
+    return violations
+
+
+@pytest.fixture
+def opened(chromium):
+    """Opens a page, tells its trouble, and whatever it asked of another host than its own."""
+
+    @contextmanager
+    def visit(url, width, theme, **options):
+        trouble = []
+        context = chromium.new_context(
+            viewport={"width": width, "height": 800}, color_scheme=theme, reduced_motion="reduce", **options
+        )
+        home = f"{urlsplit(url).scheme}://{urlsplit(url).netloc}/"
+        tab = context.new_page()
+        tab.on("console", lambda message: trouble.append(message.text) if message.type == "error" else None)
+        tab.on("pageerror", lambda error: trouble.append(str(error)))
+        tab.on(
+            "request", lambda asked: trouble.append(asked.url) if not asked.url.startswith((home, "data:")) else None
+        )
+        tab.goto(url)
+        yield tab, trouble
+        context.close()
+
+    return visit

@@ -1,10 +1,16 @@
 """The built book reads alike offline, on a phone and in the dark, and is run anew when the code under it changes."""
 
+import gzip
 import re
 import shutil
 import subprocess
 import sys
+from functools import partial
+from html.parser import HTMLParser
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
+from urllib.parse import unquote, urlsplit
 
 import pytest
 import yaml
@@ -30,6 +36,8 @@ FACTS = """async () => {
         broken: all("img").filter((image) => !image.naturalWidth).map((image) => image.src),
         rawMath: all(".math").filter((math) => !math.querySelector("mjx-container")).map((math) => math.textContent),
         badMath: all("mjx-merror").map((error) => error.textContent),
+        small: all("main :is(pre, td, th)").filter((box) => parseFloat(getComputedStyle(box).fontSize) < 12)
+            .map((box) => box.textContent.slice(0, 40)),
     };
 }"""
 
@@ -75,25 +83,90 @@ def test_nothing_is_loaded_from_another_host(html):
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1280, 360])
 @pytest.mark.parametrize("page", pages())
-def test_page_reads_offline_on_any_screen(html, chromium, page, width, theme):
-    trouble = []
-    context = chromium.new_context(viewport={"width": width, "height": 800}, color_scheme=theme, offline=True)
-    tab = context.new_page()
-    tab.on("console", lambda message: trouble.append(message.text) if message.type == "error" else None)
-    tab.on("pageerror", lambda error: trouble.append(str(error)))
-    tab.on("request", lambda request: trouble.append(request.url) if request.url.startswith("http") else None)
-    tab.goto((html / f"{page}.html").as_uri())
-    facts = tab.evaluate(FACTS)
-    context.close()
+def test_page_reads_offline_on_any_screen_and_by_anyone(html, opened, axe, page, width, theme):
+    with opened((html / f"{page}.html").as_uri(), width, theme, offline=True) as (tab, trouble):
+        facts = tab.evaluate(FACTS)
+        violations = axe(tab)
 
     assert trouble == []
     assert facts.pop("sideways") <= 0
-    assert facts == {"theme": theme, "withoutAlt": [], "broken": [], "rawMath": [], "badMath": []}
+    assert facts == {"theme": theme, "withoutAlt": [], "broken": [], "rawMath": [], "badMath": [], "small": []}
+    assert violations == []
 
 
-def test_a_page_is_run_anew_when_the_code_under_it_changes(tmp_path):
+@pytest.fixture(scope="session")
+def server(html):
+    """The book as a web server gives it away."""
+    handler = partial(Quiet, directory=html)
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+@pytest.mark.parametrize("page", pages())
+def test_page_reads_from_a_server_and_asks_no_other(server, opened, page):
+    with opened(f"{server}/{page}.html", 1280, "light") as (tab, trouble):
+        facts = tab.evaluate(FACTS)
+    assert trouble == []
+    assert (facts["broken"], facts["rawMath"], facts["badMath"]) == ([], [], [])
+
+
+class Links(HTMLParser):
+    """The links of a page, the anchors that it has, and the files that it shows."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.links, self.anchors, self.files = [], set(), set()
+        self.feed(path.read_text(encoding="utf8"))
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        self.anchors |= {attrs["id"]} if attrs.get("id") else set()
+        if tag == "a" and attrs.get("href"):
+            self.links.append(attrs["href"])
+        for name in ("src", "data"):
+            if attrs.get(name):
+                self.files.add(attrs[name])
+
+
+def test_no_link_leads_nowhere(html):
+    found = {path: Links(path) for path in html.glob("*.html")}
+    for path, page in found.items():
+        for link in page.links:
+            target, _, anchor = link.partition("#")
+            if urlsplit(link).scheme:
+                assert urlsplit(link).scheme in ("http", "https", "mailto"), f"{path.name}: {link}"
+                continue
+            file = (path.parent / unquote(urlsplit(target).path)).resolve() if target else path
+            assert file.exists(), f"{path.name}: {link}"
+            if anchor and file in found:
+                assert unquote(anchor) in found[file].anchors, f"{path.name}: {link}"
+
+
+MOST = 300_000  # bytes
+
+
+@pytest.mark.parametrize("page", pages())
+def test_page_is_light_beside_what_all_pages_share(html, page):
+    """Its pictures and the data in it; and all of it, text too, as a server sends it."""
+    path = html / f"{page}.html"
+    text = path.read_bytes()
+    pictures = [(html / file).read_bytes() for file in Links(path).files if file.startswith("_images/")]
+    data = [match.group() for match in re.finditer(rb"<(script|svg)\b.*?</\1>", text, re.DOTALL)]
+    assert sum(map(len, pictures + data)) < MOST
+    assert sum(len(gzip.compress(sent)) for sent in (text, *pictures)) < MOST
+
+
+def test_a_page_is_run_anew_when_the_code_under_it_changes_and_only_then(tmp_path):
     book = tmp_path / "book"
     shutil.copytree(ROOT / "book" / "_ext", book / "_ext", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "book" / "_static", book / "_static")
     shutil.copy(ROOT / "_config.yml", tmp_path)
     (book / "vendor").mkdir()
     (book / "references.bib").write_text("")
@@ -112,3 +185,5 @@ def test_a_page_is_run_anew_when_the_code_under_it_changes(tmp_path):
         done = subprocess.run(build, cwd=tmp_path, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         assert f"answer {answer}" in (tmp_path / "_build" / "html" / "index.html").read_text(encoding="utf8")
+    again = subprocess.run(build, cwd=tmp_path, capture_output=True, text=True)
+    assert "0 added, 0 changed, 0 removed" in again.stdout  # nothing changed: nothing is read or run
