@@ -80,11 +80,11 @@ class Moving:
     Attributes
     ----------
     joints : mapping of name to array_like, shape (frames, 2) or (2,)
-        Where each joint is, in metres; a single point is fixed. A name that begins with "_" is drawn without a letter
-        and cannot be dragged.
+        Where each joint is, in metres; a single point is fixed. A joint whose name begins with "_" only
+        places the end of a body: it is not drawn and cannot be dragged.
     bodies : mapping of name to sequence of joint names
         The chain of joints each body connects; one that ends where it began is a closed plate. "OA" is short for
-        ("O", "A"). Drawn in this order, each in a colour of its own.
+        ("O", "A"). Drawn in this order, in four colours by turns.
     input : Quantity
         What moves the mechanism; it numbers the frames.
     alt : str
