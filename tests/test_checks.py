@@ -16,7 +16,11 @@ from autograder.spec import PUBLIC_SALT, task_table
 TASKS = [t for e in EXERCISES.values() for t in e.tasks]
 VARIANTS = [(t, v) for t in TASKS for v in t.variants]
 STUDENTS = [f"student {n}" for n in range(25)]
-POINTS = {"01_newton_1d": [2, 4, 2, 2], "02_newton_nd": [4, 2, 2, 2]}  # as the course says
+POINTS = {  # as the course says
+    "01_newton_1d": [2, 4, 2, 2],
+    "02_newton_nd": [4, 2, 2, 2],
+    "03_motor_profile": [3, 1, 4, 2],
+}
 
 
 def answering(function):

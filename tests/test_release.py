@@ -58,7 +58,7 @@ def test_each_task_has_its_function_and_its_check_in_the_notebook(source):
     for task in EXERCISES[source.path.stem].tasks:
         assert f"def {task.function}(" in code
         assert f'check("{task.name}")' in code
-    written = re.findall(r"^## Task \d+: .* \(([\d.]+) points\)$", code, re.MULTILINE)
+    written = re.findall(r"^## Task \d+: .* \(([\d.]+) points?\)$", code, re.MULTILINE)
     assert [float(p) for p in written] == [t.points for t in EXERCISES[source.path.stem].tasks]
 
 

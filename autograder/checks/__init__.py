@@ -1,9 +1,11 @@
 """The exercises of the course, one module a notebook."""
 
-from autograder.checks import e01_newton_1d, e02_newton_nd
+from autograder.checks import e01_newton_1d, e02_newton_nd, e03_motor_profile
 from autograder.spec import Exercise, Task
 
-EXERCISES: dict[str, Exercise] = {e.name: e for e in (e01_newton_1d.EXERCISE, e02_newton_nd.EXERCISE)}
+EXERCISES: dict[str, Exercise] = {
+    e.name: e for e in (e01_newton_1d.EXERCISE, e02_newton_nd.EXERCISE, e03_motor_profile.EXERCISE)
+}
 
 
 def exercise(name: str) -> Exercise:
