@@ -142,7 +142,7 @@ def test_a_student_reads_which_mistake_it_is_mends_it_and_gets_full_points(noteb
 def test_the_live_widget_of_the_chapter_moves_when_its_slider_is_dragged(notebook):
     chapter = notebook("newton-1d.ipynb")
     chapter.run("import matplotlib.pyplot as plt")
-    chapter.run("def f(x)")
+    chapter.run("return exp(x) - 6 * x")
     output = chapter.run("from ipywidgets import")
     picture = output.locator("img, svg").last
     picture.wait_for()
