@@ -20,6 +20,7 @@ POINTS = {  # as the course says
     "01_newton_1d": [2, 4, 2, 2],
     "02_newton_nd": [4, 2, 2, 2],
     "03_motor_profile": [3, 1, 4, 2],
+    "04_hacksaw_closure": [4, 2, 2],
 }
 
 

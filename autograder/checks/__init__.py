@@ -1,11 +1,10 @@
 """The exercises of the course, one module a notebook."""
 
-from autograder.checks import e01_newton_1d, e02_newton_nd, e03_motor_profile
+from autograder.checks import e01_newton_1d, e02_newton_nd, e03_motor_profile, e04_hacksaw_closure
 from autograder.spec import Exercise, Task
 
-EXERCISES: dict[str, Exercise] = {
-    e.name: e for e in (e01_newton_1d.EXERCISE, e02_newton_nd.EXERCISE, e03_motor_profile.EXERCISE)
-}
+_MODULES = (e01_newton_1d, e02_newton_nd, e03_motor_profile, e04_hacksaw_closure)
+EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}
 
 
 def exercise(name: str) -> Exercise:
