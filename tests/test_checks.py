@@ -21,6 +21,7 @@ POINTS = {  # as the course says
     "02_newton_nd": [4, 2, 2, 2],
     "03_motor_profile": [3, 1, 4, 2],
     "04_hacksaw_closure": [4, 2, 2],
+    "05_consecutive": [3, 4, 3],
 }
 
 
