@@ -70,7 +70,7 @@ def test_the_cohort_gets_what_was_foretold_twice_with_the_same_bytes(tmp_path, l
         assert foretold["mistake"] in row["diagnosis"], key
         assert row["isolation"] == level
     pages = sorted(p.relative_to(tmp_path / "one") for p in (tmp_path / "one").rglob("*.html"))
-    assert len(pages) == 11
+    assert len(pages) == 16
     assert (tmp_path / "one/grades.csv").read_bytes() == (tmp_path / "two/grades.csv").read_bytes()
     for page in pages:  # what a notebook printed is its own: one of them measures its time
         one, two = ((tmp_path / run / page).read_text("utf-8").partition("<pre")[0] for run in ("one", "two"))
