@@ -373,3 +373,26 @@ def test_a_table_escapes_bars_and_refuses_a_ragged_row():
     assert draw.table(("a", "b"), [(1, "|x|")]).splitlines()[-1] == r"| 1 | \|x\| |"
     with pytest.raises(ValueError, match="needs 2 cells, got 1"):
         draw.table(("a", "b"), [(1,)])
+
+
+@pytest.mark.parametrize("number", [2, 3, 4, 5, 6, 21, 22, 23, 24])
+def test_a_figure_of_source_a_has_a_numbered_counterpart_with_alt_text(number):
+    cells = re.findall(r"```\{code-cell\} ipython3\n---\n(.*?)\n---\n", _chapters(), re.DOTALL)
+    told = [cell for cell in cells if re.search(rf"ounterpart of source A, figure {number}\b", cell)]
+    assert len(told) == 1
+    assert re.search(r"^    name: fig-", told[0], re.MULTILINE)
+    assert re.search(r"^    alt: ", told[0], re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    "place",
+    ["equation (5), first", "equation (5), second", "equation (5), third", "final speed", "listing E.1", "5.2.1"],
+)
+def test_a_mistake_of_source_a_stands_in_a_box_of_its_own(place):
+    """A1 to A3, A4, A9, A5."""
+    boxes = re.findall(r":::\{admonition\} (Source A.*?)\n:class: warning", _chapters())
+    assert any(place in box for box in boxes), boxes
+
+
+def _chapters():
+    return "\n".join(path.read_text("utf-8") for path in sorted(BOOK.glob("*.md")))
