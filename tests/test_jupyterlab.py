@@ -145,17 +145,18 @@ def test_the_live_widget_of_the_chapter_moves_when_its_slider_is_dragged(noteboo
     chapter.run("import matplotlib.pyplot as plt")
     chapter.run("return exp(x) - 6 * x")
     output = chapter.run("from ipywidgets import")
-    picture = output.locator("img, svg").last
-    picture.wait_for()
-    before = picture.evaluate("p => p.outerHTML")
-    slider = output.locator(".noUi-handle").first.bounding_box()
-    mouse = chapter.tab.mouse
-    mouse.move(slider["x"] + slider["width"] / 2, slider["y"] + slider["height"] / 2)
-    mouse.down()
-    mouse.move(slider["x"] + 60, slider["y"] + slider["height"] / 2, steps=5)
-    mouse.up()
+    picture = output.locator(".jp-RenderedSVG img")
+    before = picture.get_attribute("src")
+    handle = output.locator(".noUi-handle").first
+    handle.scroll_into_view_if_needed()
+    at = handle.bounding_box()
+    x, y = at["x"] + at["width"] / 2, at["y"] + at["height"] / 2
+    chapter.tab.mouse.move(x, y)
+    chapter.tab.mouse.down()
+    chapter.tab.mouse.move(x + 60, y, steps=5)
+    chapter.tab.mouse.up()
     for _ in range(10 * STARTING):
-        if output.locator("img, svg").last.evaluate("p => p.outerHTML") != before:
+        if picture.get_attribute("src") != before:
             return
         chapter.tab.wait_for_timeout(100)
     raise AssertionError("the picture did not change")
