@@ -116,7 +116,7 @@ def notebook(lab, chromium):
 
     def visit(name):
         tab = context.new_page()
-        tab.goto(f"{lab}/lab/tree/{name}")
+        tab.goto(f"{lab}/lab/workspaces/{Path(name).stem}/tree/{name}")  # or the notebook of the other test opens too
         return Notebook(tab)
 
     yield visit
