@@ -8,6 +8,7 @@ import sys
 from functools import partial
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from itertools import product
 from pathlib import Path
 from threading import Thread
 from urllib.parse import unquote, urlsplit
@@ -40,6 +41,9 @@ FACTS = """async () => {
             .map((box) => box.textContent.slice(0, 40)),
     };
 }"""
+
+
+NOTHING_WRONG = {"withoutAlt": [], "broken": [], "rawMath": [], "badMath": [], "small": []}
 
 
 def pages():
@@ -90,7 +94,7 @@ def test_page_reads_offline_on_any_screen_and_by_anyone(html, opened, axe, page,
 
     assert trouble == []
     assert facts.pop("sideways") <= 0
-    assert facts == {"theme": theme, "withoutAlt": [], "broken": [], "rawMath": [], "badMath": [], "small": []}
+    assert facts == {"theme": theme, **NOTHING_WRONG}
     assert violations == []
 
 
@@ -111,10 +115,12 @@ class Quiet(SimpleHTTPRequestHandler):
 
 @pytest.mark.parametrize("page", pages())
 def test_page_reads_from_a_server_and_asks_no_other(server, opened, page):
-    with opened(f"{server}/{page}.html", 1280, "light") as (tab, trouble):
-        facts = tab.evaluate(FACTS)
-    assert trouble == []
-    assert (facts["broken"], facts["rawMath"], facts["badMath"]) == ([], [], [])
+    for width, theme in product((1280, 360), ("light", "dark")):
+        with opened(f"{server}/{page}.html", width, theme) as (tab, trouble):
+            facts = tab.evaluate(FACTS)
+        assert trouble == []
+        assert facts.pop("sideways") <= 0
+        assert facts == {"theme": theme, **NOTHING_WRONG}
 
 
 class Links(HTMLParser):
