@@ -53,6 +53,11 @@ class Assessment:
     why: str = ""
 
     @property
+    def granted(self) -> float:
+        """Points for what is right beside a known mistake, above what the findings earned."""
+        return self.points - sum(finding.earned for finding in self.findings)
+
+    @property
     def diagnosis(self) -> str:
         """What is wrong, in a sentence or two; empty if nothing is."""
         if self.mistake or self.why:

@@ -46,6 +46,8 @@ def card_text(a: Assessment) -> str:
         for f in a.findings:
             fault = f". No: {stopped(f.fault)}" if f.fault else ""
             lines.append(f"  [{' ' if f.fault else 'x'}] {points(f.earned)} of {points(f.points)}: {f.says}{fault}")
+        if a.granted > 0:
+            lines.append(f"  [x] {points(a.granted)} more for what is right beside this mistake")
     if a.verdict != "right":
         lines.append(f"  To read: {a.section}")
     return "\n".join(lines)

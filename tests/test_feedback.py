@@ -85,3 +85,9 @@ def test_the_text_of_a_card_says_what_its_html_says(graded):
             if assessment.verdict not in ("right", "missing"):
                 assert words[:60].lower() in repr(Card(assessment)).lower()
                 assert words[:60].lower() in html.replace("&#39;", "'").replace("&gt;", ">").lower()
+
+
+def test_the_points_on_a_card_add_up(graded):
+    for assessment in graded.assessments:
+        told = [float(n) for n in re.findall(r"\[[ x]\] ([\d.]+) (?:of|more)", repr(Card(assessment)))]
+        assert sum(told) == assessment.points
