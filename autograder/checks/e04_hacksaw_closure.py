@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from autograder.checks.answers import array
 from autograder.compare import Tolerance, difference, disagreement, numbers
 from autograder.outcome import Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
@@ -113,13 +114,10 @@ def row_of(level: int) -> Callable:
     """Looks at one row, and says which of its equations is off."""
 
     def fault(trial: Trial, right: Trial) -> str | None:
-        if not isinstance(trial.outcome, Value):
-            return disagreement(right.outcome, trial.outcome, ROUND_OFF)
-        expected, got = right.outcome.value, numbers(trial.outcome.value)
+        expected = right.outcome.value
+        got = array(trial, expected.shape)
         if isinstance(got, str):
             return got
-        if got.shape != expected.shape:
-            return f"its shape is {got.shape}, and not {expected.shape}"
         if (why := difference(expected[level], got[level], ROUND_OFF)) is None:
             return None
         off = ~(np.abs(got[level] - expected[level]) <= ROUND_OFF.relative * np.abs(expected[level]).max())
@@ -318,14 +316,8 @@ def jacobian_cases(rng: np.random.Generator) -> list[Case]:
 
 def column(k: int) -> Callable:
     def fault(trial: Trial, right: Trial) -> str | None:
-        if not isinstance(trial.outcome, Value):
-            return disagreement(right.outcome, trial.outcome, DIFFERENCES)
-        got = numbers(trial.outcome.value)
-        if isinstance(got, str):
-            return got
-        if got.shape != (3, 3):
-            return f"its shape is {got.shape}, and not (3, 3)"
-        return difference(right.outcome.value[:, k], got[:, k], DIFFERENCES)
+        got = array(trial, (3, 3))
+        return got if isinstance(got, str) else difference(right.outcome.value[:, k], got[:, k], DIFFERENCES)
 
     return fault
 

@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from autograder.compare import Tolerance, difference, numbers
+from autograder.checks.answers import array
+from autograder.compare import Tolerance, difference
 from autograder.outcome import Raised
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
 from mechlib.hacksaw import Hacksaw
@@ -22,7 +23,7 @@ def random_saw(rng: np.random.Generator, crank: float = 0.075) -> Hacksaw:
 
 
 def equations(saw: Hacksaw) -> tuple[Callable, Callable]:
-    """Closure and Jacobian of one position: a tenth of the cost of those of `saw.loop`, which take many."""
+    """Closure and Jacobian of one position: several times cheaper than those of `saw.loop`, which take many."""
 
     def residual(q, theta2):
         r1, theta1, theta3 = q
@@ -38,16 +39,6 @@ def equations(saw: Hacksaw) -> tuple[Callable, Callable]:
         return np.array([[-c, r1 * s, -b], [s, r1 * c, -a], [s, r1 * c, 0.0]])
 
     return residual, jacobian
-
-
-def answer(trial: Trial, shape: tuple[int, ...]) -> np.ndarray | str:
-    """The numbers that were returned, or a sentence that says what came instead."""
-    if isinstance(trial.outcome, Raised):
-        return f"it raised {trial.outcome.type}"
-    got = numbers(trial.outcome.value)
-    if isinstance(got, str):
-        return got
-    return got if got.shape == shape else f"its shape is {got.shape}, and not {shape}"
 
 
 def in_degrees(q: np.ndarray) -> np.ndarray:
@@ -144,7 +135,7 @@ def position_cases(rng: np.random.Generator) -> list[Case]:
 
 
 def is_the_position(trial: Trial, right: Trial) -> str | None:
-    got = answer(trial, (3,))
+    got = array(trial, (3,))
     if isinstance(got, str):
         return got
     near = Tolerance(0.0, "the position is known to about tol", absolute=10 * trial.case.args[4])
@@ -158,7 +149,7 @@ def looks(trial: Trial) -> int:
 
 
 def stops_on_the_step(trial: Trial, right: Trial) -> str | None:
-    got = answer(trial, (3,))
+    got = array(trial, (3,))
     if isinstance(got, str):
         return got
     more = looks(trial) - looks(right)
@@ -347,7 +338,7 @@ def rates_cases(rng: np.random.Generator) -> list[Case]:
 
 
 def part(index: int, trial: Trial, right: Trial) -> str | None:
-    got = answer(trial, right.outcome.value.shape)
+    got = array(trial, right.outcome.value.shape)
     return got if isinstance(got, str) else difference(right.outcome.value[index], got[index], RATES_TOLERANCE)
 
 
@@ -521,7 +512,7 @@ def sweep_cases(rng: np.random.Generator) -> list[Case]:
 
 
 def follows_the_saw(trial: Trial, right: Trial) -> str | None:
-    got = answer(trial, right.outcome.value.shape)
+    got = array(trial, right.outcome.value.shape)
     if isinstance(got, str):
         return got
     near = Tolerance(0.0, "each position is known to about tol", absolute=10 * trial.case.args[4])
