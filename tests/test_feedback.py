@@ -3,11 +3,11 @@
 import re
 
 import pytest
+from judging import judged
 
 from autograder.checks import EXERCISES
-from autograder.judge import Graded, assess
+from autograder.judge import Graded
 from autograder.notebook import Card
-from autograder.outcome import Raised, Value
 from autograder.report import card_html, feedback_page, index_page
 from autograder.spec import PUBLIC_SALT
 
@@ -15,14 +15,8 @@ EXERCISE = EXERCISES["01_newton_1d"]
 SCREENS = pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (1280, "dark"), (360, "light"), (360, "dark")])
 
 
-def judged(task, function):
-    def call(name, args, kwargs, seconds):
-        try:
-            return Value(function(*args, **kwargs))
-        except Exception as mistake:
-            return Raised.of(mistake)
-
-    return assess(task, call, task.draw(PUBLIC_SALT, ""), public=True)
+def practised(task, function):
+    return judged(task, function, "", public=True, salt=PUBLIC_SALT)
 
 
 def fails(*args):
@@ -34,10 +28,10 @@ def graded():
     """Every verdict: a right answer, a named mistake, a failure, a gap."""
     brackets, newton, failures, order = EXERCISE.tasks
     assessments = (
-        judged(brackets, brackets.reference),
-        judged(newton, newton.variants[0].function),
-        judged(failures, fails),
-        judged(order, lambda *args: None),
+        practised(brackets, brackets.reference),
+        practised(newton, newton.variants[0].function),
+        practised(failures, fails),
+        practised(order, lambda *args: None),
     )
     notes = ("code cell 3 stopped with NameError: name 'x' is not defined",)
     return Graded(EXERCISE.name, assessments, notes, "a line that is printed " * 20, "namespaces")

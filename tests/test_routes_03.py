@@ -5,26 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import sympy as sp
+from judging import judged
 from numpy.polynomial import Polynomial
 from scipy.integrate import cumulative_simpson, quad, solve_ivp
 from scipy.interpolate import PPoly
 from scipy.optimize import brentq
-
-from autograder.checks.e03_motor_profile import EXERCISE
-from autograder.judge import assess
-from autograder.outcome import Raised, Value
-
-
-def judged(name, function, student):
-    def call(name, args, kwargs, seconds):
-        try:
-            return Value(function(*args, **kwargs))
-        except Exception as mistake:
-            return Raised.of(mistake)
-
-    (t,) = (task for task in EXERCISE.tasks if task.name == name)
-    return assess(t, call, t.draw("salt", student), public=True)
-
 
 # --- integrate_pieces
 

@@ -7,26 +7,13 @@ from itertools import product
 import numpy as np
 import pytest
 import sympy as sp
+from judging import judged
 from scipy.optimize import brentq
 
-from autograder.checks.e04_hacksaw_closure import EXERCISE
-from autograder.judge import assess
-from autograder.outcome import Raised, Value
+from autograder.checks import task
 from mechlib.hacksaw import Hacksaw
 
-TASKS = {t.name: t for t in EXERCISE.tasks}
 STUDENTS = [f"route {n}" for n in range(40)]
-
-
-def judged(name, function, student):
-    def call(_, args, kwargs, seconds):
-        try:
-            return Value(function(*args, **kwargs))
-        except Exception as mistake:
-            return Raised.of(mistake)
-
-    task = TASKS[name]
-    return assess(task, call, task.draw("salt", student), public=False)
 
 
 def routes(*functions):
@@ -101,7 +88,7 @@ def test_other_derivations_of_the_equations_get_full_points(function):
 
 
 def test_a_slip_in_one_level_costs_that_level_alone_and_its_equation_is_named():
-    reference = TASKS["closure_equations"].reference
+    reference = task("closure_equations").reference
     for level, earned in ((1, 3), (2, 2)):
 
         def slip(*args, level=level):
@@ -249,7 +236,7 @@ def test_the_sign_of_r1_alone_is_not_the_same_assembly():
 
 
 def test_nan_where_no_assembly_exists_is_called_nan():
-    right = TASKS["assemblies"].reference
+    right = task("assemblies").reference
 
     def quiet(theta2, lengths):
         try:
