@@ -7,6 +7,7 @@ the script, on paper and in a notebook, the still is complete.
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from html import escape
 from itertools import chain, pairwise
 
@@ -191,7 +192,7 @@ class Moving:
         """Number of positions."""
         return np.size(self.input.values)
 
-    @property
+    @cached_property
     def _paths(self) -> dict[str, np.ndarray]:
         """Each joint as an array of points, in metres: one for each frame, or only one if it is fixed."""
         return {name: np.atleast_2d(np.asarray(place, dtype=float)) for name, place in self.joints.items()}
@@ -202,6 +203,7 @@ class Moving:
         size = np.ptp(np.concatenate(list(self._paths.values())), axis=0).max()
         return [0.25 * size / arrows.longest if arrows.longest else 0.0 for arrows in self.arrows]
 
+    @cached_property
     def _frame(self) -> tuple[float, np.ndarray, np.ndarray]:
         """Units for a metre, the upper left corner in metres, and width and height in units.
 
@@ -228,10 +230,14 @@ class Moving:
         dict of name to ndarray, shape (frames, 2) or (1, 2)
             In SVG units, y downwards, rounded to a hundredth.
         """
+        return dict(self._drawn)
+
+    @cached_property
+    def _drawn(self) -> dict[str, np.ndarray]:
         return {name: self._to_picture(path) for name, path in self._paths.items()}
 
     def _to_picture(self, points: np.ndarray) -> np.ndarray:
-        scale, corner, _ = self._frame()
+        scale, corner, _ = self._frame
         return np.round((points - corner) * scale * (1, -1) + MARGIN, 2) + 0.0
 
     def __repr__(self) -> str:
@@ -251,7 +257,7 @@ class Moving:
 
     def _data(self) -> dict:
         """What the script needs: positions and arrows in SVG units, values as texts."""
-        scale, *_ = self._frame()
+        scale, *_ = self._frame
         arrows = [
             {
                 "label": f"{a.label}, the longest {a.longest:.3g}\N{NO-BREAK SPACE}{a.unit}".rstrip(),
@@ -263,7 +269,7 @@ class Moving:
             for a, metres in zip(self.arrows, self._arrow_scales, strict=True)
         ]
         return {
-            "joints": {name: path.tolist() for name, path in self.drawn().items()},
+            "joints": {name: path.tolist() for name, path in self._drawn.items()},
             "symbol": self.input.symbol,
             "values": [quantity.texts() for quantity in (self.input, *self.values)],
             "arrows": arrows,
@@ -276,7 +282,7 @@ class Moving:
 
     def _still(self) -> str:
         """The frame that is drawn. Its colours are attributes, so that it is complete without the style of the book."""
-        drawn = self.drawn()
+        drawn = self._drawn
         now = {name: path[self.start if len(path) > 1 else 0] for name, path in drawn.items()}
         lines = 'fill="none" stroke-linecap="round" stroke-linejoin="round"'
         parts = []
@@ -316,7 +322,7 @@ class Moving:
                     f'<text x="{x:.1f}" y="{y + 6:.1f}" text-anchor="middle" font-family="Georgia, serif" '
                     f'font-style="italic" font-size="18" fill="{INK}">{escape(name)}</text></g>'
                 )
-        width, height = self._frame()[2]
+        width, height = self._frame[2]
         return (
             f'<svg role="img" aria-label="{escape(self.alt)}" viewBox="0 0 {width:g} {height:g}" '
             f'width="{width:g}" height="{height:g}">\n' + "\n".join(parts) + "\n</svg>"
@@ -343,7 +349,7 @@ class Moving:
 
     def _letter_place(self, name: str) -> np.ndarray:
         """Where the letter stands, seen from its joint: on the side that is freest, now and during the motion."""
-        drawn = self.drawn()
+        drawn = self._drawn
         pairs = chain.from_iterable(map(pairwise, self.bodies.values()))
         neighbours = sorted({other for pair in pairs if name in pair for other in pair} - {name})
         taken = [drawn[other] - drawn[name] for other in neighbours]
