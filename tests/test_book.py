@@ -13,8 +13,11 @@ from pathlib import Path
 from threading import Thread
 from urllib.parse import unquote, urlsplit
 
+import numpy as np
 import pytest
 import yaml
+
+from mechlib.hacksaw import Hacksaw
 
 ROOT = Path(__file__).parents[1]
 HTML = ROOT / "_build" / "html"
@@ -42,6 +45,19 @@ FACTS = """async () => {
     };
 }"""
 
+
+JOINTS_AT_ALL_FRAMES = """(figure) => {
+    const range = figure.querySelector("input[type=range]");
+    return Array.from({ length: 360 }, (_, frame) => {
+        range.value = frame;
+        range.dispatchEvent(new Event("input"));
+        return ["O", "A", "B"].map((name) => {
+            const circle = figure.querySelector(`.joint[data-joint=${name}] circle`);
+            const { x, y, width, height } = circle.getBoundingClientRect();
+            return [x + width / 2, y + height / 2];
+        });
+    });
+}"""
 
 NOTHING_WRONG = {"withoutAlt": [], "broken": [], "rawMath": [], "badMath": [], "small": []}
 
@@ -121,6 +137,22 @@ def test_page_reads_from_a_server_and_asks_no_other(server, opened, page):
         assert trouble == []
         assert facts.pop("sideways") <= 0
         assert facts == {"theme": theme, **NOTHING_WRONG}
+
+
+@pytest.mark.parametrize("page", ["index", "hacksaw-closure"])
+def test_a_draggable_figure_lives_in_the_built_page_and_shows_what_mechlib_computes(html, opened, page):
+    saw, crank = Hacksaw(), np.deg2rad(np.arange(360))
+    O, A, B = np.moveaxis(saw.points(crank, saw.position(crank)), -2, 0)
+    with opened((html / f"{page}.html").as_uri(), 1280, "light") as (tab, trouble):
+        figure = tab.locator(".mechanism")
+        seen = figure.evaluate(JOINTS_AT_ALL_FRAMES)
+        caption = tab.locator("figure:has(.mechanism) figcaption").inner_text()
+    assert trouble == []
+    assert re.match(r"Fig. [\d.]+ ", caption)
+    o, a, b = np.moveaxis(np.array(seen), 1, 0)
+    unit = np.linalg.norm(a - o, axis=1).mean() / saw.r2  # pixels of the screen a metre
+    for drawn, computed in ((a - o, A - O), (b - o, B - O)):
+        np.testing.assert_allclose(drawn, computed * (unit, -unit), atol=0.5)  # half a pixel
 
 
 class Links(HTMLParser):
