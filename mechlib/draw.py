@@ -137,6 +137,25 @@ def panels(x: ArrayLike, curves: Mapping[str, ArrayLike], xlabel: str, colors: S
     return fig
 
 
+def verdict(printed: str, computed: float) -> str:
+    """Whether a number agrees with a printed one: rounded to as many decimals, it has the same digits.
+
+    Parameters
+    ----------
+    printed : str
+        As it stands in the source, with a decimal point.
+    computed : float
+
+    Returns
+    -------
+    str
+        In Markdown.
+    """
+    decimals = len(printed.partition(".")[2])
+    rounded = round(float(computed), decimals) + 0.0  # no minus zero
+    return "agrees, every digit" if f"{rounded:.{decimals}f}" == printed else "**differs**"
+
+
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A Markdown table.
 

@@ -369,6 +369,14 @@ def test_the_text_of_a_figure_is_at_least_nine_points_high_on_a_phone():
     assert draw.STYLE["font.size"] * shrunk >= 9
 
 
+@pytest.mark.parametrize(
+    ("printed", "computed", "agrees"),
+    [("1.942", 1.94163, True), ("1.941", 1.94163, False), ("0", -1e-18, True), ("62", 61.804, True), ("4", 2, False)],
+)
+def test_a_verdict_compares_the_printed_digits(printed, computed, agrees):
+    assert draw.verdict(printed, computed) == ("agrees, every digit" if agrees else "**differs**")
+
+
 def test_a_table_escapes_bars_and_refuses_a_ragged_row():
     assert draw.table(("a", "b"), [(1, "|x|")]).splitlines()[-1] == r"| 1 | \|x\| |"
     with pytest.raises(ValueError, match="needs 2 cells, got 1"):
