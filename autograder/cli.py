@@ -40,7 +40,7 @@ def check(
     level: Level = None,
 ) -> None:
     """Look at a whole notebook, as a grader would. Exit code: 0 full points, 1 points missing, 2 cannot be graded."""
-    from autograder.cohort import identify
+    from autograder.submissions import identify
 
     exercise, notebook = identify(file)
     with Sandbox(isolation.choose(level, others=False)) as sandbox:

@@ -229,8 +229,8 @@ def test_an_empty_folder_is_refused(tmp_path):
 
 def test_what_is_graded_already_is_not_graded_again_unless_it_changed(tmp_path, monkeypatch):
     asked = []
-    real = cohort._read
-    monkeypatch.setattr(cohort, "_read", lambda s: asked.append(s.student) or real(s))
+    real = cohort.contents
+    monkeypatch.setattr(cohort, "contents", lambda s: asked.append(s.student) or real(s))
     for student in ("a", "b"):
         hand_in(tmp_path / "in", student, "01_newton_1d", b"")
     grade_cohort(tmp_path / "in", tmp_path / "out", "none")
