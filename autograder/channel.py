@@ -9,6 +9,7 @@ import os
 import re
 import secrets
 import threading
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
@@ -34,9 +35,12 @@ __all__ = [
 ARGUMENTS_MOST = 4 << 20  # bytes; what the judge makes of them may be far larger
 OUTPUT_KEPT = 64 << 10
 OUTPUT_MOST = 4 << 20
+WALL = 4  # times the limit of computing time: by the clock ends what sleeps; a busy computer ends nothing
+LOOK = 0.1  # s between two looks at the computing time
 SETTLING = 0.25  # s, for what was printed to arrive: only a worker that closed its output makes us wait that long
 DYING = 1.0  # s, for the last output of a killed worker: only a process that outlives it makes us wait that long
 COLOURS = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]")
+ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,}\b")
 CONTROLS = re.compile("[\0-\b\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 
 
@@ -45,7 +49,7 @@ class WorkerDied(WorkerLost):
 
 
 class TimeLimit(WorkerLost):
-    """The worker did not answer in time."""
+    """The worker computed, or kept us waiting, for longer than it may."""
 
 
 class OutputFlood(WorkerLost):
@@ -65,12 +69,18 @@ class Process(Protocol):
 
     def kill(self) -> None: ...
 
+    def computing_time(self) -> float:
+        """Seconds that its threads have computed, together."""
+
     def bury(self) -> None:
         """Wait for its end, and remove its files."""
 
 
 class Worker:
     """One submission's process.
+
+    Every question has a limit in seconds of computing time, so that a busy computer changes no verdict; by the clock
+    the worker may take `WALL` times as long.
 
     Parameters
     ----------
@@ -114,7 +124,13 @@ class Worker:
         return self._ask({"ask": "run", "source": source}, b"", seconds, (), ran)
 
     def call(
-        self, name: str, arguments: Sequence = (), options: dict[str, Any] | None = None, *, seconds: float
+        self,
+        name: str,
+        arguments: Sequence = (),
+        options: dict[str, Any] | None = None,
+        *,
+        seconds: float,
+        seed: int = 0,
     ) -> Value | Raised:
         """Call a function of the submission.
 
@@ -122,6 +138,8 @@ class Worker:
         ----------
         arguments, options
             Data, or functions, at any depth.  A function stays here: the worker asks for its values one by one.
+        seed : int
+            Where the global random generators begin, so that no call depends on the draws of an earlier one.
 
         Raises
         ------
@@ -141,7 +159,8 @@ class Worker:
         def answer(header, body):
             return _raised(header) or Value(wire.decode(header.get("value"), body))
 
-        return self._ask({"ask": "call", "name": name, "arguments": code}, arrays, seconds, functions, answer)
+        question = {"ask": "call", "name": name, "arguments": code, "seed": seed}
+        return self._ask(question, arrays, seconds, functions, answer)
 
     @property
     def output(self) -> str:
@@ -194,10 +213,7 @@ class Worker:
         self._talking = True
         context = contextvars.copy_context()  # np.errstate and the like hold for the judge's functions, too
         threading.Thread(target=context.run, args=(converse,), daemon=True).start()
-        try:
-            found, error = outcome.get(timeout=seconds)
-        except Empty:
-            found, error = None, TimeLimit(f"no answer within {seconds:g} s")
+        found, error = self._await(outcome, seconds)
         if error is None:
             self._output.settle(b"\0%b\0" % identity.encode())
             return found
@@ -205,6 +221,19 @@ class Worker:
         if self._output.flooded:
             raise OutputFlood(f"more than {OUTPUT_MOST >> 20} MiB of output") from None
         raise error
+
+    def _await(self, outcome: SimpleQueue, seconds: float) -> tuple:
+        """What comes of a conversation, or TimeLimit."""
+        computed, began = self._process.computing_time(), time.monotonic()
+        left = seconds
+        while left > 0:
+            try:
+                return outcome.get(timeout=min(left, LOOK))
+            except Empty:
+                left = min(
+                    computed + seconds - self._process.computing_time(), began + WALL * seconds - time.monotonic()
+                )
+        return None, TimeLimit(f"no answer within {seconds:g} s")
 
     def _converse(self, identity, question, body, functions, read):
         wire.send(self._requests, {"id": identity, **question}, body)
@@ -262,8 +291,8 @@ class _Output(threading.Thread):
 
 
 def printable(string: str) -> str:
-    """Without the characters that move a cursor or turn the direction of reading."""
-    return CONTROLS.sub("", string)
+    """Without the characters that move a cursor or turn the direction of reading, or differ from run to run."""
+    return ADDRESS.sub("0x...", CONTROLS.sub("", string))
 
 
 def _evaluate(functions, header, body) -> tuple[dict, bytes]:

@@ -11,8 +11,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 from autograder import isolation, judge
 from autograder.ingest import Refused
@@ -22,6 +23,7 @@ from autograder.sandbox import Sandbox
 from autograder.spec import PUBLIC_SALT
 
 FULL_POINTS, POINTS_MISSING, CANNOT = 0, 1, 2
+INTERRUPTED = 130  # as a shell says it
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=__doc__)
 out = Console(soft_wrap=True, highlight=False)
@@ -29,7 +31,7 @@ err = Console(stderr=True, soft_wrap=True, highlight=False)
 
 Level = Annotated[
     str | None,
-    typer.Option("--isolation", help="namespaces, landlock, limits or none; left out, the best there is."),
+    typer.Option("--isolation", metavar="LEVEL", help="The least that will do: namespaces, landlock, limits or none."),
 ]
 
 
@@ -53,7 +55,7 @@ def check(
         for note in graded.notes:
             out.print(escape(f"Note: {note}"))
         out.print(escape(f"{exercise.title}: {points(graded.points)} of {points(graded.max)} points"))
-        out.print(escape(f"Isolation: {graded.isolation}"))
+        out.print(escape(isolation.statement(graded.isolation)))
     raise typer.Exit(FULL_POINTS if graded.points == graded.max else POINTS_MISSING)
 
 
@@ -75,10 +77,7 @@ def grade(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="<student>/<exercise>.ipynb, or a zip file of it.")],
     to: Annotated[Path, typer.Option("--out", help="Folder for grades, feedback and journal.")],
     jobs: Annotated[int, typer.Option("-j", min=1, help="Submissions at a time.")] = os.cpu_count() or 1,
-    level: Annotated[
-        str | None,
-        typer.Option("--isolation", help="namespaces, landlock, limits or none, or any: what there is, your own work."),
-    ] = None,
+    level: Level = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler, tcp://computer:8786, whose workers grade.")
     ] = None,
@@ -90,9 +89,9 @@ def grade(
     """Grade a folder of submissions. Exit code: 0 all graded, whatever the marks; 2 refused or nothing to grade."""
     from autograder.cohort import grade_cohort
 
-    chosen = isolation.choose(None if level == "any" else level, others=level != "any")
+    chosen = isolation.choose(level, others=True)
     seasoning = _read_salt(salt) if salt else None
-    columns = (TextColumn("grading"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn("grading"), BarColumn(), MofNCompleteColumn(), _Rate(), TimeRemainingColumn())
     with ExitStack() as shown:
         bar = Progress(*columns, console=err)
         task = bar.add_task("", total=None)
@@ -102,11 +101,27 @@ def grade(
                 shown.enter_context(bar)
             bar.update(task, completed=done, total=of)
 
-        results = grade_cohort(folder, to, chosen, seasoning, jobs, scheduler, progress)
+        try:
+            results = grade_cohort(folder, to, chosen, seasoning, jobs, scheduler, progress)
+        except KeyboardInterrupt:
+            shown.close()
+            kept = f"{bar.tasks[0].completed:.0f} of {bar.tasks[0].total or 0:.0f} submissions"
+            err.print(
+                f"Stopped: {kept} are graded and kept in {to}. The same command goes on from there.", markup=False
+            )
+            raise typer.Exit(INTERRUPTED) from None
     out.print(_table(results))
-    out.print(f"Isolation: {chosen}", markup=False)
+    out.print(isolation.statement(chosen), markup=False)
     for name, path in (("Grades", to / "grades.csv"), ("Feedback", to / "index.html")):
         out.print(f"{name}: {path.resolve()}", markup=False)
+
+
+class _Rate(ProgressColumn):
+    """Submissions a second, as of late."""
+
+    def render(self, task) -> Text:
+        speed = task.finished_speed or task.speed
+        return Text(f"{speed:.1f}/s" if speed else "")
 
 
 def _read_salt(path: Path) -> str:

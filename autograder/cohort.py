@@ -2,21 +2,25 @@
 
 import atexit
 import hashlib
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, as_completed
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import cache, partial
 from importlib.resources import files
+from itertools import islice
 from pathlib import Path
 
-from autograder import judge
+from autograder import isolation, judge
 from autograder.checks import EXERCISES
 from autograder.ingest import Refused, read
 from autograder.journal import Journal
-from autograder.judge import Graded
-from autograder.report import feedback_link, feedback_page, index_page, write_grades
+from autograder.judge import Assessment, Graded
+from autograder.publish import publish
 from autograder.sandbox import Sandbox
 from autograder.submissions import Submission, contents, find, unpacked
+
+Keep = Callable[[Assessment], None]
 
 
 def grade_cohort(
@@ -29,6 +33,9 @@ def grade_cohort(
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> list[tuple[str, Graded]]:
     """Grade a folder of submissions into `out`; what the journal holds already is not graded again.
+
+    Every task is in the journal before the next of its submission begins; on a cluster every submission is, when it
+    comes back. Whatever ends a run, the next one goes on from there.
 
     Parameters
     ----------
@@ -49,7 +56,7 @@ def grade_cohort(
     Returns
     -------
     list of (student, Graded)
-        Sorted by student and exercise.
+        Sorted by student and exercise, without what the notebooks printed.
 
     Raises
     ------
@@ -63,30 +70,42 @@ def grade_cohort(
         out.mkdir(parents=True, exist_ok=True)
         with Journal(out / "journal.sqlite") as journal:
             salt = salt or journal.salt()
-            digests = {s: _digest(s, salt, level) for s in submissions}
-            results = {s: journal.get(s.student, s.exercise, digests[s]) for s in submissions}
-            waiting = [s for s, graded in results.items() if graded is None]
-            progress(len(submissions) - len(waiting), len(submissions))
+            keys = {s: (s.student, s.exercise, _digest(s, salt, level)) for s in submissions}
+            waiting = [s for s in submissions if not journal.get(*keys[s])]
+            done = len(submissions) - len(waiting)
+            progress(done, len(submissions))
             if waiting:
-                with _graders(level, jobs, scheduler) as submit:
-                    running = {submit(*contents(s), salt, s.student, level): s for s in waiting}
-                    for finished in as_completed(running):
-                        s = running[finished]
-                        results[s] = finished.result()
-                        journal.put(s.student, s.exercise, digests[s], results[s])
-                        progress(sum(g is not None for g in results.values()), len(submissions))
-    graded = [(s.student, results[s]) for s in submissions]
-    publish(graded, out, level)
-    return graded
+                with _graders(level, jobs, scheduler) as (submit, at_once):
+
+                    def start(s: Submission) -> Future:
+                        keep = partial(journal.keep, *keys[s])
+                        return submit(*contents(s), salt, s.student, level, journal.judged(*keys[s]), keep=keep)
+
+                    for s, graded in _as_they_come(start, waiting, at_once):
+                        journal.put(*keys[s], graded)
+                        progress(done := done + 1, len(submissions))
+            results = ((s.student, journal.get(*keys[s])) for s in submissions)
+            return publish(results, out, isolation.statement(level), journal.submissions())
+
+
+def _as_they_come(
+    start: Callable[[Submission], Future], submissions: Iterable[Submission], at_once: int
+) -> Iterator[tuple[Submission, Graded]]:
+    """Hand out so many at once, and give each result as it comes: a long cohort never lies in memory as a whole."""
+    waiting = iter(submissions)
+    running = {start(s): s for s in islice(waiting, at_once)}
+    while running:
+        for finished in wait(running, return_when=FIRST_COMPLETED).done:
+            yield running.pop(finished), finished.result()
+            running |= {start(s): s for s in islice(waiting, 1)}
 
 
 @contextmanager
-def _graders(level: str, jobs: int, scheduler: str | None):
-    """Something to hand submissions to: threads that share one sandbox, or the workers of a cluster."""
+def _graders(level: str, jobs: int, scheduler: str | None) -> Iterator[tuple[Callable[..., Future], int]]:
+    """Something to hand submissions to, and how many it should have in hand."""
     if scheduler is None:
-        # the judging is light, and what a student wrote runs in processes of its own
-        with Sandbox(level) as sandbox, ThreadPoolExecutor(jobs) as threads:
-            yield partial(threads.submit, _grade, lambda _: sandbox)
+        with _threads(level, jobs) as submit:
+            yield submit, 2 * jobs
         return
     from distributed import Client
 
@@ -95,7 +114,33 @@ def _graders(level: str, jobs: int, scheduler: str | None):
     except (OSError, ValueError) as error:
         raise Refused(f"no Dask scheduler answers at {scheduler}: {str(error).splitlines()[0]}") from None
     with client, client.get_executor(pure=False) as cluster:
-        yield partial(cluster.submit, _grade, _own_sandbox)
+        # the journal stays here: what a computer of the cluster has judged is kept when it comes back
+        yield lambda *question, keep: cluster.submit(_grade, _own_sandbox, *question), 4 * sum(client.ncores().values())
+
+
+@contextmanager
+def _threads(level: str, jobs: int) -> Iterator[Callable[..., Future]]:
+    """Threads that share one sandbox: judging is light, and what a student wrote runs in processes of its own."""
+    stopped = threading.Event()
+    with Sandbox(level) as sandbox:
+        threads = ThreadPoolExecutor(jobs)
+
+        def submit(*question, keep: Keep) -> Future:
+            def keep_unless_stopped(assessment: Assessment) -> None:
+                if stopped.is_set():  # it may be the end of its worker that was judged
+                    raise InterruptedError("the run was stopped")
+                keep(assessment)
+
+            return threads.submit(_grade, lambda _: sandbox, *question, keep_unless_stopped)
+
+        try:
+            yield submit
+        except BaseException:
+            stopped.set()
+            sandbox.close()
+            raise
+        finally:
+            threads.shutdown(cancel_futures=True)
 
 
 def _grade(
@@ -106,10 +151,12 @@ def _grade(
     salt: str,
     student: str,
     level: str,
+    known: dict[str, Assessment],
+    keep: Keep = lambda assessment: None,
 ) -> Graded:
     if refused:
         return judge.ungraded(name, EXERCISES.get(name), refused, level)
-    return judge.grade(EXERCISES[name], cells, sandbox_at(level), salt, student)
+    return judge.grade(EXERCISES[name], cells, sandbox_at(level), salt, student, known=known, keep=keep)
 
 
 @cache
@@ -118,20 +165,6 @@ def _own_sandbox(level: str) -> Sandbox:
     sandbox = Sandbox(level)
     atexit.register(sandbox.close)
     return sandbox
-
-
-def publish(graded: list[tuple[str, Graded]], out: Path, level: str) -> None:
-    """Write the table and the pages."""
-    write_grades(out / "grades.csv", graded)
-    for student, g in graded:
-        page = out / "feedback" / student / f"{g.exercise or 'nothing'}.html"
-        page.parent.mkdir(parents=True, exist_ok=True)
-        page.write_text(
-            feedback_page(student, EXERCISES[g.exercise].title if g.exercise in EXERCISES else g.exercise, g),
-            encoding="utf-8",
-        )
-    rows = [(student, g, feedback_link(student, g.exercise or "nothing")) for student, g in graded]
-    (out / "index.html").write_text(index_page(rows, f"Isolation: {level}."), encoding="utf-8")
 
 
 def _digest(submission: Submission, salt: str, level: str) -> str:

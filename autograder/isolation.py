@@ -60,33 +60,43 @@ def survey() -> Survey:
     return Survey(tuple(_try(name) for name in LEVELS))
 
 
-def choose(wanted: str | None = None, others: bool = False) -> str:
-    """The level to run under.
+def choose(floor: str | None = None, others: bool = False) -> str:
+    """The level to run under: always the best there is.
 
     Parameters
     ----------
-    wanted : one of `LEVELS`, or None for the best there is
+    floor : one of `LEVELS`, or None
+        The least that will do. Left out, it is `landlock` for other people's code, and `none` for your own.
     others : bool
         Whether the code is other people's.
 
     Raises
     ------
     IsolationError
-        If `wanted` cannot be had; or if none is wanted by name, the code is other people's, and the best level is
-        below `landlock`.
+        If the best is not good enough.
     """
-    if wanted is not None and wanted not in LEVELS:
-        raise IsolationError(f"there is no isolation level {wanted!r}: choose one of {', '.join(LEVELS)}")
+    if floor is not None and floor not in LEVELS:
+        raise IsolationError(f"there is no isolation level {floor!r}: choose one of {', '.join(LEVELS)}")
     found = survey()
-    level = found[wanted or found.best or LEVELS[-1]]
-    if not level.available:
-        raise IsolationError(f"isolation {level.name} cannot be had on this computer: {_why(level)}")
-    if wanted is None and others and LEVELS.index(level.name) > LEVELS.index(FOR_OTHERS):
+    best = found.best or LEVELS[-1]
+    if floor is None and others and LEVELS.index(best) > LEVELS.index(FOR_OTHERS):
         raise IsolationError(
-            f"this computer offers no isolation better than {level.name} ({_why(found[FOR_OTHERS])}), too little for "
-            f"other people's work: --isolation {level.name} runs it all the same"
+            f"this computer offers no isolation better than {best} ({_why(found[FOR_OTHERS])}), too little for "
+            f"other people's work: --isolation {best} runs it all the same"
         )
-    return level.name
+    needed = found[floor or LEVELS[-1]]
+    if LEVELS.index(best) > LEVELS.index(needed.name) or not found[best].available:
+        raise IsolationError(f"isolation {needed.name} cannot be had on this computer: {_why(needed)}")
+    return best
+
+
+def statement(level: str) -> str:
+    """What a report says of the level that it was made under: why it is not a better one, and what would raise it."""
+    said = [f"Isolation: {level}."]
+    for name in LEVELS[: LEVELS.index(level)]:
+        better = survey()[name]
+        said.append(f"{name} can be had as well." if better.available else f"{name} cannot be had: {_why(better)}.")
+    return " ".join(said)
 
 
 def _why(level: Level) -> str:

@@ -1,16 +1,22 @@
-"""What has been graded, on disk: a run that is broken off goes on where it stopped."""
+"""What has been judged, on disk: a run that is broken off goes on at the task where it stopped."""
 
 import json
 import secrets
 import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
 from autograder.judge import Assessment, Finding, Graded
 
 SCHEMA = """
+CREATE TABLE IF NOT EXISTS judged (
+    student TEXT, exercise TEXT, digest TEXT, task TEXT, assessment TEXT, PRIMARY KEY (student, exercise, digest, task)
+);
 CREATE TABLE IF NOT EXISTS graded (
-    student TEXT, exercise TEXT, digest TEXT, graded TEXT, PRIMARY KEY (student, exercise)
+    student TEXT, exercise TEXT, digest TEXT, graded TEXT, PRIMARY KEY (student, exercise, digest)
 );
 CREATE TABLE IF NOT EXISTS secret (salt TEXT);
 """
@@ -18,6 +24,9 @@ CREATE TABLE IF NOT EXISTS secret (salt TEXT);
 
 class Journal:
     """The instructor's own file: it holds every result, and the salt that the hidden inputs are drawn from.
+
+    A result counts for one digest: of exactly that submission, judged in exactly that way. The journal may be used by
+    several threads, and by several runs at once.
 
     Parameters
     ----------
@@ -32,43 +41,73 @@ class Journal:
 
     def __init__(self, path: Path):
         path.touch(mode=0o600)  # the salt is nobody else's
-        self._db = sqlite3.connect(path, timeout=30)
+        self._lock = threading.Lock()
+        self._db = sqlite3.connect(path, timeout=60, isolation_level=None, check_same_thread=False)
         self._db.executescript(SCHEMA)
 
     def __enter__(self) -> "Journal":
         return self
 
     def __exit__(self, *_) -> None:
-        self._db.close()
+        with self._lock:
+            self._db.close()
+
+    @contextmanager
+    def _transaction(self) -> Iterator[sqlite3.Connection]:
+        """All of it, or nothing; on disk when it is over."""
+        with self._lock, self._db:
+            self._db.execute("BEGIN IMMEDIATE")
+            yield self._db
 
     def salt(self) -> str:
         """The salt of this folder of grades: drawn once, then kept."""
-        with self._db:
-            self._db.execute("BEGIN IMMEDIATE")
-            row = self._db.execute("SELECT salt FROM secret").fetchone()
+        with self._transaction() as db:
+            row = db.execute("SELECT salt FROM secret").fetchone()
             if row is None:
                 row = (secrets.token_hex(16),)
-                self._db.execute("INSERT INTO secret VALUES (?)", row)
+                db.execute("INSERT INTO secret VALUES (?)", row)
         return row[0]
 
+    def judged(self, student: str, exercise: str, digest: str) -> dict[str, Assessment]:
+        """The tasks of a submission that are judged, by name."""
+        found = self._rows(
+            "SELECT task, assessment FROM judged WHERE student = ? AND exercise = ? AND digest = ? ORDER BY rowid",
+            (student, exercise, digest),
+        )
+        return {task: _assessment(json.loads(stored)) for task, stored in found}
+
+    def keep(self, student: str, exercise: str, digest: str, assessment: Assessment) -> None:
+        """Keep one task; it is on disk when this returns."""
+        with self._transaction() as db:
+            row = (student, exercise, digest, assessment.task, json.dumps(asdict(assessment)))
+            db.execute("INSERT OR REPLACE INTO judged VALUES (?, ?, ?, ?, ?)", row)
+
     def get(self, student: str, exercise: str, digest: str) -> Graded | None:
-        """The result for exactly this submission, graded in exactly this way; None if there is none."""
-        found = self._db.execute(
+        """The whole result of a submission; None if it is not whole."""
+        found = self._rows(
             "SELECT graded FROM graded WHERE student = ? AND exercise = ? AND digest = ?", (student, exercise, digest)
-        ).fetchone()
-        return _graded(json.loads(found[0])) if found else None
+        )
+        if not found:
+            return None
+        stored = json.loads(found[0][0])
+        assessments = tuple(_assessment(each) for each in stored["assessments"])
+        return Graded(**{**stored, "assessments": assessments, "notes": tuple(stored["notes"])})
 
     def put(self, student: str, exercise: str, digest: str, graded: Graded) -> None:
-        """Keep a result; it is on disk when this returns."""
-        with self._db:
-            self._db.execute(
-                "INSERT OR REPLACE INTO graded VALUES (?, ?, ?, ?)",
-                (student, exercise, digest, json.dumps(asdict(graded))),
-            )
+        """Keep a whole result, in place of its tasks."""
+        with self._transaction() as db:
+            row = (student, exercise, digest, json.dumps(asdict(graded)))
+            db.execute("INSERT OR REPLACE INTO graded VALUES (?, ?, ?, ?)", row)
+            db.execute("DELETE FROM judged WHERE student = ? AND exercise = ? AND digest = ?", row[:3])
+
+    def submissions(self) -> set[tuple[str, str]]:
+        """Student and exercise of every whole result that there ever was."""
+        return set(self._rows("SELECT DISTINCT student, exercise FROM graded", ()))
+
+    def _rows(self, question: str, values: tuple) -> list[tuple]:
+        with self._lock:
+            return self._db.execute(question, values).fetchall()
 
 
-def _graded(stored: dict) -> Graded:
-    assessments = tuple(
-        Assessment(**{**a, "findings": tuple(Finding(**f) for f in a["findings"])}) for a in stored["assessments"]
-    )
-    return Graded(**{**stored, "assessments": assessments, "notes": tuple(stored["notes"])})
+def _assessment(stored: dict) -> Assessment:
+    return Assessment(**{**stored, "findings": tuple(Finding(**finding) for finding in stored["findings"])})

@@ -1,9 +1,11 @@
 """The judge: asks, compares, names the mistake, gives the points. It never runs a student's code itself."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
+from itertools import count
+from types import MappingProxyType
 
 import numpy as np
 
@@ -228,7 +230,16 @@ def ungraded(name: str, exercise: Exercise | None, why: str, isolation: str) -> 
     return Graded(name, tasks or (stray,), (why,), "", isolation)
 
 
-def grade(exercise: Exercise, cells: Sequence[str], sandbox, salt: str, student: str, public: bool = False) -> Graded:
+def grade(
+    exercise: Exercise,
+    cells: Sequence[str],
+    sandbox,
+    salt: str,
+    student: str,
+    public: bool = False,
+    known: Mapping[str, Assessment] = MappingProxyType({}),
+    keep: Callable[[Assessment], None] = lambda assessment: None,
+) -> Graded:
     """Judge a notebook in a worker of the sandbox.
 
     Parameters
@@ -241,16 +252,24 @@ def grade(exercise: Exercise, cells: Sequence[str], sandbox, salt: str, student:
         What the cases are drawn from.
     public : bool
         Whether the student may see what was tried.
+    known : mapping of str to Assessment
+        Tasks that were judged before a run was broken off; they are not judged again.
+    keep : callable
+        Gets every further assessment before the next task begins.
 
     Returns
     -------
     Graded
     """
+    assessments = []
     with Session(exercise, cells, sandbox) as session:
-        assessments = tuple(
-            _explain(assess(task, session.call, task.draw(salt, student), public), session) for task in exercise.tasks
-        )
-        return Graded(exercise.name, assessments, tuple(session.notes), session.output, sandbox.level)
+        for task in exercise.tasks:
+            assessment = known.get(task.name)
+            if assessment is None:
+                judged = assess(task, session.caller(), task.draw(salt, student), public)
+                keep(assessment := _explain(judged, session))
+            assessments.append(assessment)
+        return Graded(exercise.name, tuple(assessments), tuple(session.notes), session.output, sandbox.level)
 
 
 def _explain(assessment: Assessment, session: "Session") -> Assessment:
@@ -261,7 +280,7 @@ def _explain(assessment: Assessment, session: "Session") -> Assessment:
 
 
 class Session:
-    """A submission in a worker; a worker that is lost is replaced, without the cell that lost it."""
+    """A submission whose cells have run in a worker; one that is lost is replaced, without the cell that lost it."""
 
     def __init__(self, exercise: Exercise, cells: Sequence[str], sandbox):
         self.exercise, self.cells, self.sandbox = exercise, cells, sandbox
@@ -272,16 +291,23 @@ class Session:
         self._skip: set[int] = set()
 
     def __enter__(self) -> "Session":
+        self._ready()
+        self.output = self._worker.output
         return self
 
     def __exit__(self, *_) -> None:
         self._drop()
 
-    def call(self, function: str, args: tuple, kwargs: dict, seconds: float) -> Outcome:
+    def caller(self) -> Call:
+        """How the functions of one task are called; a draw depends on its turn in the task and on no other task."""
+        turn = count()
+        return lambda function, args, kwargs, seconds: self._call(function, args, kwargs, seconds, next(turn))
+
+    def _call(self, function: str, args: tuple, kwargs: dict, seconds: float, seed: int) -> Outcome:
         from autograder.channel import TimeLimit, WorkerLost
 
         try:
-            return self._ready().call(function, args, kwargs, seconds=seconds)
+            return self._ready().call(function, args, kwargs, seconds=seconds, seed=seed)
         except TimeLimit:
             self._drop()
             return ENDLESS
@@ -291,18 +317,18 @@ class Session:
 
     def _ready(self):
         """A worker in which every cell has run."""
-        from autograder.channel import TimeLimit, WorkerLost
+        from autograder.channel import WALL, TimeLimit, WorkerLost
 
+        seconds = self.exercise.cell_seconds
         while self._worker is None:
-            first = not self._skip and not self.output
             self._worker = self.sandbox.worker(modules=sources(self.exercise.imports))
             for i, cell in enumerate(self.cells):
                 if i in self._skip:
                     continue
                 try:
-                    ran = self._worker.run(cell, seconds=self.exercise.cell_seconds)
+                    ran = self._worker.run(cell, seconds)
                 except WorkerLost as lost:
-                    limit = f"did not end within {self.exercise.cell_seconds:g} s"
+                    limit = f"did not end in time ({seconds:g} s of computing, {WALL * seconds:g} s by the clock)"
                     why = limit if isinstance(lost, TimeLimit) else f"ended the process: {lost}"
                     self._skip.add(i)
                     self._fail(f"code cell {i + 1} {why}, and was left out")
@@ -312,9 +338,6 @@ class Session:
                     self._note(f"code cell {i + 1}: {ran.note}")
                 if ran.raised:
                     self._fail(f"code cell {i + 1} stopped with {ran.raised.type}: {ran.raised.message}")
-            else:
-                if first:
-                    self.output = self._worker.output
         return self._worker
 
     def _note(self, note: str) -> None:

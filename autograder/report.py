@@ -1,8 +1,8 @@
 """What people read: the card of a check, the feedback page of a student, the grade table."""
 
 import csv
+import io
 from collections.abc import Iterable
-from pathlib import Path
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader
@@ -58,9 +58,10 @@ def card_html(a: Assessment) -> str:
     return str(_templates.get_template("card.html").module.card(a))
 
 
-def feedback_page(student: str, title: str, graded: Graded) -> str:
-    """The page that a student gets back."""
-    return _templates.get_template("feedback.html").render(student=student, title=title, graded=graded)
+def feedback_page(student: str, title: str, graded: Graded, printed: str, isolation: str) -> str:
+    """The page that a student gets back; what the notebook printed is in a file of its own beside it."""
+    page = _templates.get_template("feedback.html")
+    return page.render(student=student, title=title, graded=graded, printed=printed, isolation=isolation)
 
 
 def index_page(rows: Iterable[tuple[str, Graded, str]], isolation: str) -> str:
@@ -68,24 +69,16 @@ def index_page(rows: Iterable[tuple[str, Graded, str]], isolation: str) -> str:
     return _templates.get_template("index.html").render(rows=rows, isolation=isolation)
 
 
-def write_grades(path: Path, results: Iterable[tuple[str, Graded]]) -> None:
+def grades(results: Iterable[tuple[str, Graded]]) -> str:
     """`grades.csv`: a row a task, sorted, without time stamps, so that two runs can be compared byte by byte."""
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(COLUMNS)
-        for student, g in sorted(results, key=lambda result: (result[0], result[1].exercise)):
-            for a in g.assessments:
-                row = (
-                    student,
-                    g.exercise,
-                    a.task,
-                    points(a.points),
-                    points(a.max),
-                    a.verdict,
-                    a.diagnosis,
-                    g.isolation,
-                )
-                table.writerow([_harmless(cell) for cell in row])
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(COLUMNS)
+    for student, g in sorted(results, key=lambda result: (result[0], result[1].exercise)):
+        for a in g.assessments:
+            row = (student, g.exercise, a.task, points(a.points), points(a.max), a.verdict, a.diagnosis, g.isolation)
+            table.writerow([_harmless(cell) for cell in row])
+    return text.getvalue()
 
 
 def _harmless(cell: str) -> str:

@@ -15,7 +15,10 @@ import subprocess
 import sys
 import tempfile
 import threading
+import weakref
 from pathlib import Path
+
+import psutil
 
 from . import walls
 from .channel import Worker, WorkerLost
@@ -72,6 +75,8 @@ class Sandbox:
         if level not in LEVELS:
             raise IsolationError(f"there is no isolation level {level!r}: choose one of {', '.join(LEVELS)}")
         self.level = level
+        self._workers: weakref.WeakSet[Worker] = weakref.WeakSet()
+        self._closed = False
         self._parent = _Parent(level) if level in CONFINED else None
 
     def __enter__(self) -> "Sandbox":
@@ -94,6 +99,9 @@ class Sandbox:
             If the worker could not be started.
         """
         worker = self._parent.worker() if self._parent else _cold_worker(self.level)
+        self._workers.add(worker)
+        if self._closed:  # by another thread, which may not have seen this worker
+            worker.close()
         try:
             worker.start(modules or {}, STARTING)
         except WorkerLost as lost:
@@ -102,6 +110,10 @@ class Sandbox:
         return worker
 
     def close(self) -> None:
+        """End every worker, also those that other threads wait for."""
+        self._closed = True
+        for worker in list(self._workers):
+            worker.close()
         if self._parent:
             self._parent.close()
 
@@ -230,6 +242,8 @@ class _Parent:
             work = folder = _folder_for_nobody(0o700, self.folder)
         try:
             with self.lock:
+                if self.control.fileno() < 0:
+                    raise IsolationError("this sandbox is closed")
                 self._send(work.encode(), descriptors)
                 (handle,) = self._expect(b"started")
         finally:
@@ -259,9 +273,14 @@ class _Parent:
 
     def close(self) -> None:
         """End the parent, and with it every worker that is left."""
-        self.control.close()
-        self._wait()
-        self._remove()
+        try:
+            self.control.shutdown(socket.SHUT_RDWR)  # wakes a thread that waits for a worker
+        except OSError:
+            pass  # closed before, or the parent is gone
+        with self.lock:
+            self.control.close()
+            self._wait()
+            self._remove()
 
     def _wait(self) -> None:
         """Let it end by itself, as it does when nobody can ask again; in time."""
@@ -283,6 +302,11 @@ class _Forked:
 
     def __init__(self, handle: int, folder: str | None):
         self.handle, self.folder = handle, folder
+        with open(f"/proc/self/fdinfo/{handle}") as about:
+            self.number = next(int(line.split()[1]) for line in about if line.startswith("Pid:"))
+
+    def computing_time(self) -> float:
+        return _computing_time(self.number)
 
     def kill(self) -> None:
         try:
@@ -303,6 +327,9 @@ class _Cold:
     def __init__(self, process: subprocess.Popen, folder: str):
         self.process, self.folder = process, folder
 
+    def computing_time(self) -> float:
+        return _computing_time(self.process.pid)
+
     def kill(self) -> None:
         if hasattr(os, "killpg"):
             try:
@@ -314,6 +341,14 @@ class _Cold:
     def bury(self) -> None:
         self.process.wait()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _computing_time(process: int) -> float:
+    try:
+        times = psutil.Process(process).cpu_times()
+    except (psutil.Error, ValueError):
+        return 0.0  # it has ended, as the channel will see
+    return times.user + times.system
 
 
 def _cold_worker(level: str) -> Worker:

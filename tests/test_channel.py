@@ -260,6 +260,7 @@ for name in ("fork", "geteuid", "killpg", "setsid", "pidfd_open"):
 vars(select).pop("poll", None)
 """
     script = f"""
+import psutil  # has code of its own for every system
 {without}
 import math, subprocess
 real = subprocess.Popen.__init__

@@ -82,6 +82,7 @@ def test_an_unknown_isolation_level_is_answered_with_those_there_are():
     )
 
 
+PAGE = "feedback/someone/01_newton_1d.html"
 UNCONFINED = """
 from autograder import isolation
 from autograder.isolation import Level, Survey
@@ -102,6 +103,9 @@ def test_grading_others_is_refused_below_landlock_unless_asked_for_by_name(tmp_p
     by_name = autograder(*arguments, "--isolation", "limits", prelude=UNCONFINED)
     assert by_name.returncode == 0, by_name.stderr
     assert "limits" in (tmp_path / "out/grades.csv").read_text("utf-8")
+    reports = (by_name.stdout, *((tmp_path / "out" / f).read_text("utf-8") for f in ("index.html", PAGE)))
+    for report in reports:  # the level, why it is no better, and what would raise it
+        assert "Isolation: limits. namespaces cannot be had: tried, and refused; get it." in report
     more = sentence(autograder(*arguments, "--isolation", "namespaces", prelude=UNCONFINED))
     assert "namespaces" in more
 
@@ -118,7 +122,7 @@ def test_a_journal_that_is_none_is_one_sentence(tmp_path):
     (tmp_path / "in/someone/01_newton_1d.ipynb").write_bytes(b"")
     (tmp_path / "out").mkdir()
     (tmp_path / "out/journal.sqlite").write_bytes(b"not a database, and long enough to be sure of it" * 10)
-    done = autograder("grade", tmp_path / "in", "--out", tmp_path / "out", "--isolation", "any")
+    done = autograder("grade", tmp_path / "in", "--out", tmp_path / "out", "--isolation", "none")
     assert done.returncode == 2
     assert "the journal cannot be used" in done.stderr
     assert "Traceback" not in done.stderr
@@ -127,7 +131,9 @@ def test_a_journal_that_is_none_is_one_sentence(tmp_path):
 def test_a_salt_that_is_missing_or_empty_is_one_sentence(tmp_path):
     (tmp_path / "empty").touch()
     for name, says in (("absent", "cannot be read"), ("empty", "is empty")):
-        done = autograder("grade", tmp_path, "--out", tmp_path / "out", "--salt", tmp_path / name, "--isolation", "any")
+        done = autograder(
+            "grade", tmp_path, "--out", tmp_path / "out", "--salt", tmp_path / name, "--isolation", "none"
+        )
         assert says in sentence(done)
 
 
@@ -144,6 +150,7 @@ def test_isolation_names_every_level():
 # A computer with Windows has none of these; one with macOS lacks some.
 ELSEWHERE = """
 import importlib.abc, os, sys
+import psutil  # has code of its own for every system
 
 class Absent(importlib.abc.MetaPathFinder):
     def find_spec(self, name, path=None, target=None):

@@ -12,6 +12,7 @@ from autograder.report import card_html, feedback_page, index_page
 from autograder.spec import PUBLIC_SALT
 
 EXERCISE = EXERCISES["01_newton_1d"]
+SAID = "Isolation: landlock. namespaces cannot be had: bubblewrap is not installed; sudo apt install bubblewrap."
 SCREENS = pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (1280, "dark"), (360, "light"), (360, "dark")])
 
 
@@ -42,8 +43,8 @@ def test_a_feedback_page_and_the_table_of_a_cohort_read_on_any_screen_and_by_any
     tmp_path, graded, opened, axe, width, theme
 ):
     pages = {
-        "feedback": feedback_page("zoé", EXERCISE.title, graded),
-        "index": index_page([("zoé", graded, "feedback.html")] * 30, "Graded at isolation level namespaces."),
+        "feedback": feedback_page("zoé", EXERCISE.title, graded, f"{EXERCISE.name}.txt", SAID),
+        "index": index_page([("zoé", graded, "feedback.html")] * 30, SAID),
     }
     for name, page in pages.items():
         (tmp_path / f"{name}.html").write_text(page, encoding="utf-8")

@@ -409,8 +409,9 @@ def computer(best):
     ("best", "wanted", "others", "chosen"),
     [
         ("namespaces", None, True, "namespaces"),
-        ("namespaces", "none", True, "none"),
+        ("namespaces", "none", True, "namespaces"),
         ("landlock", None, True, "landlock"),
+        ("landlock", "limits", True, "landlock"),
         ("limits", None, False, "limits"),
         ("limits", "limits", True, "limits"),
         ("none", None, False, "none"),
@@ -420,7 +421,7 @@ def computer(best):
         ("none", None, True, "--isolation none runs it all the same"),
     ],
 )
-def test_the_level_is_the_asked_for_or_the_best_or_a_sentence(monkeypatch, best, wanted, others, chosen):
+def test_the_level_is_the_best_there_is_if_it_is_good_enough_or_a_sentence(monkeypatch, best, wanted, others, chosen):
     monkeypatch.setattr(isolation, "survey", lambda: computer(best))
     if chosen in isolation.LEVELS:
         assert choose(wanted, others) == chosen
@@ -428,6 +429,16 @@ def test_the_level_is_the_asked_for_or_the_best_or_a_sentence(monkeypatch, best,
         with pytest.raises(IsolationError, match=chosen) as refusal:
             choose(wanted, others)
         assert "\n" not in str(refusal.value)
+
+
+def test_a_report_says_which_level_why_no_better_one_and_what_would_raise_it(monkeypatch):
+    levels = [Level("namespaces", False, "bubblewrap is not installed", "sudo apt install bubblewrap")]
+    levels += [Level(name, True) for name in isolation.LEVELS[1:]]
+    monkeypatch.setattr(isolation, "survey", lambda: Survey(tuple(levels)))
+    missing = " namespaces cannot be had: bubblewrap is not installed; sudo apt install bubblewrap."
+    assert isolation.statement("namespaces") == "Isolation: namespaces."
+    assert isolation.statement("landlock") == "Isolation: landlock." + missing
+    assert isolation.statement("limits") == "Isolation: limits." + missing + " landlock can be had as well."
 
 
 def test_a_judge_that_is_killed_leaves_no_process_behind(confined, outside):
