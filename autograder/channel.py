@@ -20,6 +20,7 @@ from .worker import wire
 from .worker.wire import NotData, ProtocolError, WorkerLost
 
 __all__ = [
+    "Excess",
     "NotData",
     "OutputFlood",
     "ProtocolError",
@@ -56,6 +57,10 @@ class OutputFlood(WorkerLost):
     """The worker printed more than anybody could read."""
 
 
+class Excess(WorkerLost):
+    """The worker took more of the disk than it may."""
+
+
 @dataclass(frozen=True)
 class Ran:
     """A cell has run; `raised` is what ended it early, `note` what the reader of a report should know."""
@@ -71,6 +76,9 @@ class Process(Protocol):
 
     def computing_time(self) -> float:
         """Seconds that its threads have computed, together."""
+
+    def excess(self) -> str | None:
+        """What it has too much of, where the system itself does not ration it."""
 
     def bury(self) -> None:
         """Wait for its end, and remove its files."""
@@ -223,10 +231,12 @@ class Worker:
         raise error
 
     def _await(self, outcome: SimpleQueue, seconds: float) -> tuple:
-        """What comes of a conversation, or TimeLimit."""
+        """What comes of a conversation, or TimeLimit, or Excess."""
         computed, began = self._process.computing_time(), time.monotonic()
         left = seconds
         while left > 0:
+            if excess := self._process.excess():
+                return None, Excess(excess)
             try:
                 return outcome.get(timeout=min(left, LOOK))
             except Empty:

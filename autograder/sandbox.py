@@ -16,6 +16,7 @@ import sys
 import tempfile
 import threading
 import weakref
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -27,7 +28,8 @@ LEVELS = ("namespaces", "landlock", "limits", "none")  # best first
 CONFINED = LEVELS[:2]
 WORKER = Path(__file__).resolve().parent / "worker"
 NOBODY = 65534
-DISK = str(64 << 20)
+DISK = 64 << 20
+MOST_FILES = 10_000
 STARTING = 60.0  # s, for imports on a slow or busy computer
 DYING = 5.0  # s, for a killed process to be gone
 HELD = b"held"
@@ -173,7 +175,7 @@ class _Parent:
         plan = {
             "probe": canary,
             "namespaces": level == "namespaces",
-            "disk": DISK,
+            "disk": f"size={DISK},nr_inodes={MOST_FILES},mode=700",
             "seccomp": base64.b64encode(program).decode(),
             "read": walls.readable(),
             "around_hidden": walls.readable_around_hidden(),
@@ -197,7 +199,7 @@ class _Parent:
             if program is None:
                 raise IsolationError("bubblewrap is not installed")
             inside = environment | {"HOME": "/parent", "TMPDIR": "/parent"}
-            command = walls.bubblewrap(program, INTERPRETER, str(WORKER), inside, DISK)
+            command = walls.bubblewrap(program, INTERPRETER, str(WORKER), inside, str(DISK))
             command += _python("worker.parent", folder="/")
         else:
             home = _folder_for_nobody(0o700, self.folder)
@@ -294,7 +296,7 @@ class _Parent:
         self.control.close()
         self.errors.close()
         if self.folder:
-            shutil.rmtree(self.folder, ignore_errors=True)
+            _remove(self.folder)
 
 
 class _Forked:
@@ -308,6 +310,9 @@ class _Forked:
     def computing_time(self) -> float:
         return _computing_time(self.number)
 
+    def excess(self) -> str | None:
+        return _excess(self.folder) if self.folder else None
+
     def kill(self) -> None:
         try:
             signal.pidfd_send_signal(self.handle, signal.SIGKILL)
@@ -318,17 +323,20 @@ class _Forked:
         select.select([self.handle], [], [], DYING)
         os.close(self.handle)
         if self.folder:
-            shutil.rmtree(self.folder, ignore_errors=True)
+            _remove(self.folder)
 
 
 class _Cold:
     """A worker started by itself, and the folder it works in."""
 
-    def __init__(self, process: subprocess.Popen, folder: str):
-        self.process, self.folder = process, folder
+    def __init__(self, process: subprocess.Popen, folder: str, rationed: bool):
+        self.process, self.folder, self.rationed = process, folder, rationed
 
     def computing_time(self) -> float:
         return _computing_time(self.process.pid)
+
+    def excess(self) -> str | None:
+        return _excess(self.folder) if self.rationed else None
 
     def kill(self) -> None:
         if hasattr(os, "killpg"):
@@ -340,7 +348,7 @@ class _Cold:
 
     def bury(self) -> None:
         self.process.wait()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        _remove(self.folder)
 
 
 def _computing_time(process: int) -> float:
@@ -349,6 +357,36 @@ def _computing_time(process: int) -> float:
     except (psutil.Error, ValueError):
         return 0.0  # it has ended, as the channel will see
     return times.user + times.system
+
+
+def _remove(folder: str) -> None:
+    """Take a folder away, however deep and however closed what was left in it."""
+    with suppress(RecursionError):
+        shutil.rmtree(folder, ignore_errors=True)
+    if os.name == "posix" and os.path.exists(folder):
+        for command in (["chmod", "-R", "u+rwx"], ["rm", "-rf"]):
+            subprocess.run([*command, "--", folder], stderr=subprocess.DEVNULL)
+
+
+def _excess(folder: str) -> str | None:
+    """Whether a folder on the disk holds more than one in memory could; what is in it may change, and be hostile."""
+    folders, files, size = [folder], 0, 0
+    while folders:
+        try:
+            with os.scandir(folders.pop()) as entries:
+                for entry in entries:
+                    files += 1
+                    if entry.is_dir(follow_symlinks=False):
+                        folders.append(entry.path)
+                    else:
+                        size += entry.stat(follow_symlinks=False).st_size
+                    if size > DISK or files > MOST_FILES:
+                        return f"more than {DISK >> 20} MiB, or {MOST_FILES} files, in its folder"
+        except FileNotFoundError:
+            pass  # it was there a moment ago
+        except OSError as error:
+            return f"a folder in its folder that nobody can look into ({error.strerror})"
+    return None
 
 
 def _cold_worker(level: str) -> Worker:
@@ -373,7 +411,7 @@ def _cold_worker(level: str) -> Worker:
     for stream in (process.stdin, process.stdout, process.stderr):
         with stream:
             descriptors.append(os.dup(stream.fileno()))
-    return Worker(*descriptors, _Cold(process, folder))
+    return Worker(*descriptors, _Cold(process, folder, level == "limits"))
 
 
 def _python(module: str, *arguments: str, folder: str = str(WORKER.parent)) -> list[str]:

@@ -2,6 +2,8 @@
 
 import os
 import shutil
+import subprocess
+import sys
 from contextlib import contextmanager
 from urllib.parse import urlsplit
 
@@ -44,6 +46,25 @@ def pytest_terminal_summary(terminalreporter):
         terminalreporter.section("not run")
     for name, reason, installable in skipped:
         terminalreporter.line(f"{name}: {reason}" + (" (a failure, since CI=true)" if CI and installable else ""))
+
+
+@pytest.fixture(scope="session")
+def busy():
+    """Keeps every core busy with so many processes."""
+
+    @contextmanager
+    def load(processes_a_core):
+        # a session each, since the kernel may share a core out among sessions
+        spin = (sys.executable, "-c", "while True: pass")
+        spinning = [subprocess.Popen(spin, start_new_session=True) for _ in range(processes_a_core * os.cpu_count())]
+        try:
+            yield
+        finally:
+            for process in spinning:
+                process.kill()
+                process.wait()
+
+    return load
 
 
 @pytest.fixture(scope="session")

@@ -175,6 +175,37 @@ def test_a_cell_without_an_end_costs_its_time_limit(worker, source):
     assert time.monotonic() - began < 0.4 + MARGIN
 
 
+COMPUTE = """
+import time
+def compute(seconds):
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
+"""
+
+
+def test_the_limit_counts_what_the_worker_computes(worker):
+    define(worker, COMPUTE)
+    before = worker._process.computing_time()
+    worker.call("compute", (0.5,), seconds=20)
+    assert worker._process.computing_time() - before == pytest.approx(0.5, abs=0.1)  # the kernel counts in hundredths
+    with pytest.raises(TimeLimit):
+        worker.call("compute", (2.0,), seconds=0.5)
+
+
+def test_sleep_is_no_computing(worker):
+    define(worker, "import time\ndef f():\n    time.sleep(0.6)\n    return 1")
+    assert worker.call("f", seconds=0.4) == Value(1)
+
+
+def test_a_busy_computer_ends_nothing(worker, busy):
+    define(worker, COMPUTE)
+    began = time.monotonic()
+    with busy(4):  # on each core, so that the worker gets a fifth of one
+        assert worker.call("compute", (0.6,), seconds=1.5) == Value(None)
+    assert time.monotonic() - began > 1.5, "the computer was not busy: this shows nothing"
+
+
 def test_time_spent_in_the_judges_function_counts(worker):
     define(worker, "def f(g): return g()")
     released = threading.Event()

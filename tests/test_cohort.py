@@ -55,6 +55,16 @@ def test_the_cohort_gets_what_was_foretold_twice_with_the_same_bytes(tmp_path, l
         assert (tmp_path / "one" / page).read_bytes() == (tmp_path / "two" / page).read_bytes(), page
 
 
+@pytest.mark.proof
+def test_a_loaded_computer_changes_no_byte(tmp_path, level, busy):
+    graded(COHORT / "submissions", tmp_path / "idle", level, jobs=2)
+    with busy(2):
+        graded(COHORT / "submissions", tmp_path / "loaded", level, jobs=2)
+    for path in [*(tmp_path / "idle").rglob("*.html"), tmp_path / "idle/grades.csv"]:
+        twin = tmp_path / "loaded" / path.relative_to(tmp_path / "idle")
+        assert path.read_bytes() == twin.read_bytes(), path.name
+
+
 def test_solutions_get_full_points_and_untouched_exercises_none(tmp_path, level):
     for kind in ("solutions", "exercises"):
         for path in (ROOT / kind).glob("*.ipynb"):
@@ -84,7 +94,9 @@ def test_an_endless_loop_in_a_cell_of_its_own_costs_that_cell(tmp_path, level, m
     hand_in(tmp_path / "in", "loop", "01_newton_1d", exercise("01_newton_1d", own=own, order=GOOD_ORDER))
     rows = graded(tmp_path / "in", tmp_path / "out", level)
     assert rows["loop", "order"]["verdict"] == "right"
-    assert "code cell 1 did not end within" in (tmp_path / "out/feedback/loop/01_newton_1d.html").read_text("utf-8")
+    assert "code cell 1 did not end in time (2 s of computing, 8 s by the clock)" in (
+        tmp_path / "out/feedback/loop/01_newton_1d.html"
+    ).read_text("utf-8")
 
 
 def test_a_warning_on_stderr_informs_and_costs_nothing(tmp_path, level):

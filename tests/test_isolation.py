@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from autograder import isolation, sandbox, walls
-from autograder.channel import TimeLimit, Value, WorkerDied
+from autograder.channel import Excess, TimeLimit, Value, WorkerDied
 from autograder.isolation import IsolationError, Level, Survey, choose, survey
 from autograder.sandbox import CONFINED, Sandbox
 
@@ -290,16 +290,35 @@ def test_a_file_is_limited_in_size(confined, unconfined):
     assert act(confined, source).message.startswith("[Errno 27]")  # EFBIG
 
 
-def test_the_work_folder_in_memory_is_limited():
-    source = """
-    def act():
+FILL = """
+import os
+def act(how):
+    if how == "files of 8 MiB":
         for k in range(100):
-            with open(f'{k}', 'wb') as f:
+            with open(f"{k}", "wb") as f:
                 for _ in range(8): f.write(bytes(1 << 20))
-    """
-    with place("namespaces") as sandbox:
-        assert act(sandbox, source).message.startswith("[Errno 28]")
-        assert succeeds(act(sandbox, "def act():\n    open('f', 'wb').write(bytes(1 << 20)); return True"))
+    elif how == "empty files":
+        for k in range(200_000): open(f"{k}", "wb").close()
+    elif how == "folders in folders":
+        while True:
+            os.mkdir("a" * 200)
+            os.chdir("a" * 200)
+    elif how == "a folder without leave to read":
+        os.mkdir("closed", 0o300)
+        for k in range(100): open(f"closed/{k}", "wb").write(bytes(8 << 20))
+"""
+
+
+@pytest.mark.parametrize(
+    "how", ["files of 8 MiB", "empty files", "folders in folders", "a folder without leave to read"]
+)
+def test_the_work_folder_is_limited(confined, how):
+    if confined.level == "landlock":
+        with pytest.raises(Excess):
+            act(confined, FILL, how)
+    else:
+        assert act(confined, FILL, how).message.startswith("[Errno 28]")
+    assert succeeds(act(confined, "def act():\n    open('f', 'wb').write(bytes(1 << 20)); return True"))
 
 
 def test_an_endless_loop_costs_its_time_and_the_next_worker_nothing(confined):
@@ -349,6 +368,13 @@ def test_files_are_gone_with_the_worker(confined, unconfined):
         path = Path(act(place, leave_behind).value)
         assert not path.exists()
         assert place.level == "namespaces" or not path.parent.exists()
+
+
+def test_folders_too_deep_for_any_path_are_gone_with_the_worker(confined):
+    with confined.worker() as worker:
+        worker.run("import os\nfor _ in range(1500): os.mkdir('a'); os.chdir('a')", seconds=20)
+        folder = worker._process.folder
+    assert folder is None or not Path(folder).exists()
 
 
 def test_a_link_left_behind_takes_nothing_else_away(confined, outside):

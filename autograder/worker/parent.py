@@ -112,7 +112,7 @@ def worker(plan, work, descriptors, notebook) -> None:
 def confine(plan, work: str) -> None:
     """All walls, in the order in which they can be built."""
     if plan["namespaces"]:
-        harden.mount("tmpfs", work, "tmpfs", harden.MS_NOSUID | harden.MS_NODEV, f"size={plan['disk']},mode=700")
+        harden.mount("tmpfs", work, "tmpfs", harden.MS_NOSUID | harden.MS_NODEV, plan["disk"])
         for folder in HIDDEN_FROM_WORKERS:
             harden.mount("tmpfs", folder, "tmpfs", harden.MS_RDONLY, "size=4k")
         harden.drop_capabilities()
