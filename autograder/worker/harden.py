@@ -131,6 +131,7 @@ def limit(address_space: int | None) -> None:
         "RLIMIT_CPU": 900,  # s; a backstop: the judge's clock is the limit
         "RLIMIT_FSIZE": 16 << 20,
         "RLIMIT_NOFILE": 128,
+        "RLIMIT_NPROC": 4096,  # threads of this user, all workers together: what they take, the computer goes without
         "RLIMIT_CORE": 0,
         "RLIMIT_MEMLOCK": 0,
     }
