@@ -53,10 +53,10 @@ test: environment system
 	$(call step,exercises up to date,$(BIN)/autograder release --check)
 	$(call step,book,$(BIN)/jupyter-book build book -W -n --keep-going)
 	$(call step,notebooks,$(BIN)/pytest --nbval-lax solutions exercises)
-	$(call step,pytest,$(BIN)/pytest)
+	$(call step,pytest,$(BIN)/pytest -n auto --dist worksteal)
 
 proofs: environment system
-	@printf '\n== proofs\n'; $(BIN)/pytest -m proof tests; code=$$?; \
+	@printf '\n== proofs\n'; $(BIN)/pytest -m proof -rP -n auto --dist worksteal tests; code=$$?; \
 	if [ $$code -eq 5 ]; then echo 'no proofs yet'; else exit $$code; fi
 
 system:

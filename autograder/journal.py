@@ -110,4 +110,6 @@ class Journal:
 
 
 def _assessment(stored: dict) -> Assessment:
-    return Assessment(**{**stored, "findings": tuple(Finding(**finding) for finding in stored["findings"])})
+    findings = tuple(Finding(**finding) for finding in stored["findings"])
+    convergence = tuple(map(tuple, stored["convergence"]))
+    return Assessment(**{**stored, "findings": findings, "convergence": convergence})

@@ -42,6 +42,7 @@ class Assessment:
     mistake : the known mistake that it is, and where to look; empty if it is none of them.
     why : why there is nothing to look at; empty if there is.
     section : chapter and section of the book to go back to.
+    convergence : errors of the answer's iterates, and of the right ones, where a wrong answer iterates.
     """
 
     task: str
@@ -53,6 +54,7 @@ class Assessment:
     section: str
     mistake: str = ""
     why: str = ""
+    convergence: tuple[tuple[float, ...], ...] = ()
 
     @property
     def granted(self) -> float:
@@ -122,7 +124,21 @@ def _assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Asse
     if mistake := recognise(task, trials, expected):
         earned = max(earned, mistake.share * task.points)
     verdict = _verdict([trial.outcome for trial in trials], earned)
-    return judged(earned, verdict=verdict, mistake=f"{mistake.name}. {mistake.advice}" if mistake else "", why=lost)
+    said = f"{mistake.name}. {mistake.advice}" if mistake else ""
+    return judged(earned, verdict=verdict, mistake=said, why=lost, convergence=_convergence(task, trials, expected))
+
+
+def _convergence(task: Task, trials: Sequence[Trial], expected: Sequence[Trial]) -> tuple[tuple[float, ...], ...]:
+    """Errors against iterations of the first wrong answer that shows any, and of the right one."""
+    for trial, right in zip(trials, expected, strict=True):
+        if task.errors is None or not task.disagreement(right.outcome, trial.outcome):
+            continue
+        errors = task.errors(trial, right)
+        if errors is not None and np.isfinite(errors).any():
+            return tuple(
+                tuple(float(e) if np.isfinite(e) else 0.0 for e in each) for each in (errors, task.errors(right, right))
+            )
+    return ()
 
 
 def recognise(task: Task, trials: Sequence[Trial], expected: Sequence[Trial]) -> Variant | None:
@@ -138,20 +154,8 @@ def recognise(task: Task, trials: Sequence[Trial], expected: Sequence[Trial]) ->
     return explains[0] if len(explains) == 1 else None
 
 
-def path(trial: Trial, most: int = 6) -> list[np.ndarray]:
-    """The first different points, in turn, at which the first function of a trial was evaluated."""
-    points: list[np.ndarray] = []
-    for asked in trial.evaluations[0] if trial.evaluations else []:
-        point = np.asarray(asked[0])
-        if not points or point.shape != points[-1].shape or (point != points[-1]).any():
-            points.append(point)
-        if len(points) == most:
-            break
-    return points
-
-
 def _same_path(a: Trial, b: Trial) -> bool:
-    one, other = path(a), path(b)
+    one, other = a.path(), b.path()
     enough = min(len(one), len(other)) >= 3
     return enough and all(
         p.shape == q.shape and np.allclose(p, q, rtol=1e-6, atol=1e-9, equal_nan=True)

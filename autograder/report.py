@@ -1,13 +1,16 @@
 """What people read: the card of a check, the feedback page of a student, the grade table."""
 
+import base64
 import csv
 import io
 from collections.abc import Iterable
 from urllib.parse import quote
 
+import matplotlib.pyplot as plt
 from jinja2 import Environment, PackageLoader
 
 from autograder.judge import Assessment, Graded, stopped
+from mechlib import draw
 
 WORDS = {
     "right": "right",
@@ -33,7 +36,6 @@ def sentence(text: str) -> str:
 
 
 _templates = Environment(loader=PackageLoader("autograder"), autoescape=True, trim_blocks=True, lstrip_blocks=True)
-_templates.filters.update(sentence=sentence, stopped=stopped)
 _templates.globals.update(points=points, words=WORDS, colours=COLOURS)
 
 
@@ -53,9 +55,31 @@ def card_text(a: Assessment) -> str:
     return "\n".join(lines)
 
 
+def convergence_image(a: Assessment) -> str:
+    """Error against iteration of an answer and of a right one, as the address of an image."""
+    answer, right = a.convergence
+    with plt.style.context(draw.STYLE | {"figure.figsize": (4.6, 2.6), "svg.fonttype": "none"}):
+        figure = draw.convergence({"your iterates": answer, "right ones": right}, "error")
+        drawn = io.StringIO()
+        figure.savefig(drawn, format="svg", metadata={"Date": None})
+        plt.close(figure)
+    return f"data:image/svg+xml;base64,{base64.b64encode(drawn.getvalue().encode()).decode()}"
+
+
+def convergence_words(a: Assessment) -> str:
+    """The same for those who do not see it."""
+    answer, right = ([f"{error:.0e}" for error in errors if error] for errors in a.convergence)
+    return f"Error of each iterate. Yours: {', '.join(answer)}. Right ones: {', '.join(right)}."
+
+
 def card_html(a: Assessment) -> str:
     """The card of one task as HTML without script."""
     return str(_templates.get_template("card.html").module.card(a))
+
+
+_templates.filters.update(
+    sentence=sentence, stopped=stopped, convergence_image=convergence_image, convergence_words=convergence_words
+)
 
 
 def feedback_page(student: str, title: str, graded: Graded, printed: str, isolation: str) -> str:

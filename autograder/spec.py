@@ -45,6 +45,17 @@ class Trial:
     outcome: Outcome
     evaluations: tuple[list[tuple], ...]
 
+    def path(self, most: int = 6) -> list[np.ndarray]:
+        """The first different points, in turn, at which the first function was evaluated."""
+        points: list[np.ndarray] = []
+        for asked in self.evaluations[0] if self.evaluations else []:
+            point = np.asarray(asked[0])
+            if not points or point.shape != points[-1].shape or (point != points[-1]).any():
+                points.append(point)
+            if len(points) == most:
+                break
+        return points
+
 
 @dataclass(frozen=True)
 class Aspect:
@@ -94,6 +105,7 @@ class Task:
         always returns nothing, refuses bad input as well.
     cases : random generator -> cases; solvable by construction.
     agree : (expected, got) -> sentence or None; whether two outcomes are the same answer.
+    errors : (trial, expected) -> error of each iterate, for a task that iterates; a wrong answer gets a figure of them.
     seconds : time limit of one case.
     section : chapter and section of the book to go back to.
     """
@@ -108,6 +120,7 @@ class Task:
     section: str
     variants: tuple[Variant, ...] = ()
     agree: Callable[[Outcome, Outcome], str | None] | None = None
+    errors: Callable[[Trial, Trial], np.ndarray | None] | None = None
     seconds: float = 5.0
 
     @property

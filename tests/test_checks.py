@@ -61,7 +61,7 @@ EMPTY = [None, 0.0, np.nan, [], [0.0], "text", {}, np.zeros((3, 3)), fails, refu
 
 
 @pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
-@pytest.mark.parametrize("answer", EMPTY, ids=str)
+@pytest.mark.parametrize("answer", EMPTY, ids=lambda answer: getattr(answer, "__name__", str(answer)))
 def test_an_answer_without_any_work_gets_no_points(t, answer):
     for student in STUDENTS[:3]:
         assessment = judged(t, answer if callable(answer) else lambda *args, **kwargs: answer, student)

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 from judging import judged
 
@@ -86,3 +87,47 @@ def test_the_points_on_a_card_add_up(graded):
     for assessment in graded.assessments:
         told = [float(n) for n in re.findall(r"\[[ x]\] ([\d.]+) (?:of|more)", repr(Card(assessment)))]
         assert sum(told) == assessment.points
+
+
+def errors_of(function, task=EXERCISE.tasks[1]):
+    return judged(task, function, "zoé", salt="figure").convergence
+
+
+def orders(errors):
+    """Observed order of convergence, from each three errors that follow each other."""
+    logarithms = np.diff(np.log(errors))
+    return logarithms[1:] / logarithms[:-1]
+
+
+def test_a_wrong_iteration_is_drawn_beside_the_right_one():
+    newton = EXERCISE.tasks[1]
+    chord = next(v.function for v in newton.variants if "slope of the seed" in v.name)
+    answer, right = errors_of(chord)
+    assert orders(answer)[-1] == pytest.approx(1, abs=0.1)
+    assert orders(right[:-2])[-1] > 1.7  # the last one is the root, and the one before as good as it
+    assert answer[0] == right[0]
+    assert errors_of(newton.reference) == ()
+    assert errors_of(lambda *arguments: None) == ()
+
+
+def test_an_iteration_that_runs_away_is_drawn_as_far_as_it_is_finite():
+    def uphill(f, df, seed, tol, error, max_iterations):
+        x = seed
+        for _ in range(max_iterations):
+            x += f(x) / df(x)
+        raise RuntimeError("no convergence")
+
+    answer, _ = errors_of(uphill)
+    assert answer[1] > answer[0] > 0
+    assert np.isfinite(answer).all()
+
+
+def test_the_figure_of_an_iteration_says_its_numbers_to_those_who_do_not_see_it():
+    task = EXERCISE.tasks[1]
+    chord = next(v.function for v in task.variants if "slope of the seed" in v.name)
+    a = judged(task, chord, "zoé", salt="figure")
+    page = card_html(a)
+    assert 'src="data:image/svg+xml;base64,' in page
+    assert f"Yours: {a.convergence[0][0]:.0e}, {a.convergence[0][1]:.0e}" in page
+    assert len(page) < 30_000
+    assert "<img" not in card_html(judged(task, task.reference, "zoé"))

@@ -7,6 +7,7 @@ import numpy as np
 
 from autograder.checks.iteration import (
     ends_on_the_root,
+    errors,
     evaluates_once_an_iteration,
     fails_aloud,
     says_where,
@@ -180,6 +181,7 @@ NEWTON_1D = Task(
     cases=newton_cases,
     tolerance=Tolerance(1e-8, "two ways to write a step differ by round-off"),
     section="newton-1d: Follow the tangent",
+    errors=errors,
     aspects=(
         Aspect("the last iterate is the root", 1.5, ends_on_the_root),
         Aspect("the history begins with the seed, and every step is Newton's", 1.0, takes_newtons_steps),

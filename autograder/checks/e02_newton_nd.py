@@ -7,6 +7,7 @@ import numpy as np
 from autograder.checks.answers import array
 from autograder.checks.iteration import (
     ends_on_the_root,
+    errors,
     fails_aloud,
     history,
     slips_of_the_history,
@@ -121,6 +122,7 @@ NEWTON = Task(
     cases=newton_cases,
     tolerance=Tolerance(1e-8, "two ways to write a step differ by round-off"),
     section="newton-nd: Solve, do not invert",
+    errors=errors,
     aspects=(
         Aspect("the last iterate is the root", 1.0, ends_on_the_root),
         Aspect("the history begins with the seed, and every step is Newton's", 1.0, takes_newtons_steps),

@@ -9,6 +9,7 @@ from autograder.compare import Tolerance, difference, numbers
 from autograder.outcome import Raised, Value
 from autograder.spec import Trial, Variant
 
+MOST_DRAWN = 30  # iterates in a figure
 ROUND_OFF = Tolerance(1e-8, "two ways to write a step differ by round-off, some 1e-15 of the scale")
 
 
@@ -24,6 +25,18 @@ def history(trial: Trial) -> np.ndarray | str:
     if iterates.ndim != seed.ndim + 1 or iterates.shape[1:] != seed.shape:
         return f"its shape is {iterates.shape}, and not (iterations + 1{''.join(f', {n}' for n in seed.shape)})"
     return iterates if len(iterates) else "it is empty"
+
+
+def errors(trial: Trial, right: Trial) -> np.ndarray | None:
+    """Distance of each iterate from the root; None where there is neither a history nor a path."""
+    iterates = history(trial) if isinstance(trial.outcome, Value) else ""
+    if isinstance(iterates, str):
+        iterates = [x for x in trial.path(MOST_DRAWN) if x.shape == np.shape(trial.case.args[2])]
+    if isinstance(right.outcome, Raised) or len(iterates) < 2:
+        return None
+    off = np.array(iterates[:MOST_DRAWN]) - right.outcome.value[-1]
+    with np.errstate(all="ignore"):
+        return np.abs(off) if off.ndim == 1 else np.linalg.norm(off, axis=1)
 
 
 def ends_on_the_root(trial: Trial, right: Trial) -> str | None:
