@@ -1,0 +1,140 @@
+"""300 students hand in five notebooks each: how long it takes, and whether memory grows with their number.
+
+python tests/benchmarks/cohort_of_300.py [--students N]
+"""
+
+import argparse
+import csv
+import json
+import random
+import statistics
+import sys
+import tempfile
+from collections import defaultdict
+from pathlib import Path
+
+from measuring import AUTOGRADER, MB, Cost, computer, cost
+from rich.console import Console
+from rich.table import Table
+
+ROOT = Path(__file__).parents[2]
+SOLUTIONS = sorted((ROOT / "solutions").glob("*.ipynb"))
+SHARE, GROWTH, SLACK = 1 / 3, 0.10, 20.0  # notebooks with a mistake; growth of memory that is let pass; and its MB
+
+# One edit of a solution each: a mistake that costs points, whoever makes it.
+MISTAKES = {
+    "01_newton_1d": (
+        ("np.linspace(a, b, n + 1)", "np.linspace(a, b, n)"),
+        ("x = x - step", "x = x + step"),
+        ('abs(step) / abs(x) if error == "relative" else abs(step)', "abs(step)"),
+        ("slope = df(x)", "slope = df(float(seed))"),
+        ("s1, s2, s3 = steps[-3:]", "s1, s2, s3 = steps[:3]"),
+        ("change = y[:-1] * y[1:] < 0", "change = y[:-1] * z[1:] < 0"),
+    ),
+    "02_newton_nd": (
+        ("np.linalg.solve(jacobian(x), residual(x))", "np.linalg.solve(jacobian(x).T, residual(x))"),
+        ("x = x - step", "x -= step"),
+        ("return np.column_stack(columns)", "return np.array(columns)"),
+        ("found[j, i] = distance.argmin()", "found[i, j] = distance.argmin()"),
+        ("except np.linalg.LinAlgError:", "except ZeroDivisionError:"),
+    ),
+    "03_motor_profile": (
+        ("primitive += value - primitive.subs(t, start)", "pass"),
+        ("np.sqrt(3 * 2 * np.pi * turns / peak)", "np.sqrt(3 * turns / peak)"),
+        ("t**3 / 6]", "t**3 / 3]"),
+        ("return name, int(np.argmax(wrong))", "return name, int(np.argmax(wrong)) + 1"),
+    ),
+    "04_hacksaw_closure": (
+        ("ar * c1 - 2 * vr * w1 * s1", "ar * c1 - vr * w1 * s1"),
+        ("return np.array([of_fx, of_fy, of_fc])", "return np.array([of_fx, of_fy, of_fc]).T"),
+        ("(np.pi - np.arcsin(sine), np.arcsin(sine))", "(np.arcsin(sine), np.pi - np.arcsin(sine))"),
+        ("if abs(sine) > 1:", "if sine > 1:"),
+    ),
+    "05_consecutive": (
+        ("coriolis = 2 * v_r * w1", "coriolis = v_r * w1"),
+        ("for k, angle in enumerate(theta2):", "for k, angle in enumerate(theta2[:-1]):"),
+        ("q = saw_position(residual, jacobian, angle, q, tol)", "q = saw_position(residual, jacobian, angle, seed)"),
+    ),
+}
+
+
+def hand_in(folder: Path, students: int) -> set[tuple[str, str]]:
+    """Write the submissions; those with a mistake, as (student, exercise)."""
+    rng = random.Random(300)
+    mistaken = set()
+    for path in SOLUTIONS:
+        text = path.read_text("utf-8")
+        for number in range(students):
+            student, handed_in = f"student{number:03d}", text
+            if rng.random() < SHARE:
+                mistaken.add((student, path.stem))
+                handed_in = edited(text, *rng.choice(MISTAKES[path.stem]))
+            (folder / student).mkdir(parents=True, exist_ok=True)
+            (folder / student / path.name).write_text(handed_in, "utf-8")
+    return mistaken
+
+
+def edited(notebook: str, right: str, wrong: str) -> str:
+    """A notebook with a piece of its code exchanged."""
+    right, wrong = (json.dumps(code, ensure_ascii=False)[1:-1] for code in (right, wrong))
+    if right not in notebook:
+        raise ValueError(f"no solution holds {right!r} any more: mend MISTAKES")
+    return notebook.replace(right, wrong)
+
+
+def lost_points(grades: Path) -> set[tuple[str, str]]:
+    """Whose notebook is worth less than it could be, as (student, exercise)."""
+    missing = defaultdict(float)
+    with open(grades, encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            missing[row["student"], row["exercise"]] += float(row["max"]) - float(row["points"])
+    return {key for key, points in missing.items() if points}
+
+
+def growth(run: Cost) -> tuple[float, float]:
+    """Usual MB of the tree in the second fifth of a run, and in the last."""
+    early, late = run.between(0.2, 0.4), run.between(0.8, 0.97)  # in the end the workers go, and the pages are written
+    return tuple(statistics.median(sample.tree for sample in part) for part in (early, late))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--students", type=int, default=300)
+    parser.add_argument("-j", dest="jobs", type=int, default=2)
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        submissions, out = Path(scratch, "submissions"), Path(scratch, "out")
+        mistaken = hand_in(submissions, asked.students)
+        command = [*AUTOGRADER, "grade", submissions, "--out", out, "--isolation", "namespaces", "-j", str(asked.jobs)]
+        run = cost(list(map(str, command)))
+        found = lost_points(out / "grades.csv")
+        journal = (out / "journal.sqlite").stat().st_size / MB
+
+    notebooks = asked.students * len(SOLUTIONS)
+    early, late = growth(run)
+    table = Table("", "measured", title=f"{asked.students} students, {notebooks} notebooks, -j {asked.jobs}")
+    table.add_row("time", f"{run.seconds:.0f} s")
+    table.add_row("rate", f"{notebooks / run.seconds:.2f} notebooks/s")
+    for percent in (10, 50, 100):
+        last = run.between(0, percent / 100)[-1] if percent < 100 else run.between(0, 0.97)[-1]
+        table.add_row(f"memory after {percent} %", f"{last.tree:.0f} MB, of which the judge {last.root:.0f} MB")
+    table.add_row("most memory", f"{run.peak:.0f} MB")
+    table.add_row("usual memory, second fifth and last", f"{early:.0f} MB, {late:.0f} MB")
+    table.add_row("journal", f"{journal:.1f} MB")
+    console = Console()
+    console.print(table)
+    console.print(*(f"{name}: {value}" for name, value in computer().items()), sep=", ", highlight=False)
+
+    void = [
+        *(f"{who} made a mistake in {what}, and got full points" for who, what in sorted(mistaken - found)),
+        *(f"{who} made no mistake in {what}, and lost points" for who, what in sorted(found - mistaken)),
+    ]
+    if late > early + max(GROWTH * early, SLACK):
+        void.append(f"memory grew by {late - early:.0f} MB from the second fifth of the run to the last")
+    for sentence in void:
+        console.print(sentence)
+    return 1 if void else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
