@@ -2,7 +2,6 @@
 
 import os
 import platform
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -119,8 +118,8 @@ def _bytes(pid: int) -> int:
         return 0
 
 
-def computer() -> dict[str, str | int]:
-    """The computer that a figure was measured on."""
+def computer() -> dict[str, str | int | float]:
+    """The computer that a figure was measured on, and how busy it is: with more to do than cores, times mean little."""
     names = [line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
     return {
         "processor": names[0].partition(":")[2].strip() if names else platform.machine(),
@@ -128,11 +127,5 @@ def computer() -> dict[str, str | int]:
         "memory, GB": round(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9),
         "system": f"{platform.system()} {platform.release()}",
         "python": platform.python_version(),
+        "load": os.getloadavg()[0],
     }
-
-
-def begin_anew(folder: Path) -> Path:
-    """An empty folder."""
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    return folder
