@@ -15,14 +15,13 @@ import subprocess
 import sys
 import tempfile
 from collections import defaultdict
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import alone
 import assignment
 from assignment import ANSWERS, NAME, Answer
-from measuring import computer, cost
+from measuring import Cost, computer, cost
 from rich.console import Console
 from rich.table import Table
 
@@ -40,26 +39,6 @@ FASTER, OVERHEAD, MEMORY, MEMORY_A_WORKER = 30.0, 50.0, 250.0, 100.0  # times; m
 Submissions = dict[str, Answer]
 
 
-@dataclass(frozen=True)
-class Graded:
-    """What a grader took, and the share of the points that it gave each student."""
-
-    alone: float
-    seconds: float
-    peak: float
-    marks: dict[str, float]
-
-    @property
-    def rate(self) -> float:
-        """Submissions a second, from the command to its end."""
-        return len(self.marks) / self.seconds
-
-    @property
-    def steady(self) -> float:
-        """Submissions a second, once the first is graded."""
-        return (len(self.marks) - 1) / (self.seconds - self.alone)
-
-
 def submissions(number: int) -> Submissions:
     return {f"student{n:03d}": ANSWERS[n % len(ANSWERS)] for n in range(number)}
 
@@ -67,22 +46,17 @@ def submissions(number: int) -> Submissions:
 # --- ours -------------------------------------------------------------------------------------------------------------
 
 
-def ours(handed_in: Submissions, jobs: int, scratch: Path) -> Graded:
-    """`autograder grade`, at `namespaces`."""
-    salt = scratch / "salt"
+def ours(handed_in: Submissions, jobs: int, scratch: Path) -> tuple[Cost, dict[str, float]]:
+    """`autograder grade`, at `namespaces`: what it took, and the marks."""
+    scratch = Path(tempfile.mkdtemp(dir=scratch))
+    folder, out, salt = (scratch / name for name in ("submitted", "graded", "salt"))
     salt.write_text(SALT, "utf-8")
-
-    def grade(some: Submissions, name: str):
-        folder, out = scratch / name, scratch / f"{name}-graded"
-        for student, answer in some.items():
-            (folder / student).mkdir(parents=True)
-            (folder / student / f"{NAME}.ipynb").write_text(assignment.ours(answer), "utf-8")
-        options = ["--out", out, "--salt", salt, "--isolation", "namespaces", "-j", jobs]
-        return cost([sys.executable, *map(str, [assignment.__file__, "grade", folder, *options])]), out / "grades.csv"
-
-    first, _ = grade(dict([*handed_in.items()][:1]), f"one-{jobs}")
-    run, grades = grade(handed_in, f"all-{jobs}")
-    return Graded(first.seconds, run.seconds, run.peak, marks(grades, "student", "points", "max"))
+    for student, answer in handed_in.items():
+        (folder / student).mkdir(parents=True)
+        (folder / student / f"{NAME}.ipynb").write_text(assignment.ours(answer), "utf-8")
+    options = ["--out", out, "--salt", salt, "--isolation", "namespaces", "-j", jobs]
+    run = cost([sys.executable, *map(str, [assignment.__file__, "grade", folder, *options])])
+    return run, marks(out / "grades.csv", "student", "points", "max")
 
 
 def marks(grades: Path, student: str, points: str, most: str) -> dict[str, float]:
@@ -116,33 +90,25 @@ def install() -> Path:
     return command
 
 
-def theirs(handed_in: Submissions, scratch: Path) -> Graded:
-    """`nbgrader autograde`, which has no option to grade in parallel."""
+def theirs(handed_in: Submissions, scratch: Path) -> tuple[Cost, dict[str, float]]:
+    """`nbgrader autograde`, which has no option to grade in parallel: what it took, and the marks."""
     command = install()
-    home = scratch / "home"
-    home.mkdir()
+    course = Path(tempfile.mkdtemp(dir=scratch))
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("JUPYTER", "PYTHON"))}
-    environment |= {"HOME": str(home), "PATH": f"{command.parent}:{os.environ['PATH']}"}
-
-    def grade(some: Submissions, name: str):
-        course = scratch / name
-        source = course / "source" / NAME / f"{NAME}.ipynb"
-        source.parent.mkdir(parents=True)
-        source.write_text(assignment.theirs_source(), "utf-8")
-        (course / "nbgrader_config.py").write_text(f"c = get_config()\nc.CourseDirectory.course_id = {NAME!r}\n")
-        cost([str(command), "generate_assignment", NAME], course, environment)
-        released = (course / "release" / NAME / source.name).read_text("utf-8")
-        for student, answer in some.items():
-            path = course / "submitted" / student / NAME / source.name
-            path.parent.mkdir(parents=True)
-            path.write_text(assignment.theirs(answer, released), "utf-8")
-        run = cost([str(command), "autograde", NAME], course, environment)
-        cost([str(command), "export"], course, environment)
-        return run, course / "grades.csv"
-
-    first, _ = grade(dict([*handed_in.items()][:1]), "one")
-    run, grades = grade(handed_in, "all")
-    return Graded(first.seconds, run.seconds, run.peak, marks(grades, "student_id", "score", "max_score"))
+    environment |= {"HOME": str(scratch), "PATH": f"{command.parent}:{os.environ['PATH']}"}
+    source = course / "source" / NAME / f"{NAME}.ipynb"
+    source.parent.mkdir(parents=True)
+    source.write_text(assignment.theirs_source(), "utf-8")
+    (course / "nbgrader_config.py").write_text(f"c = get_config()\nc.CourseDirectory.course_id = {NAME!r}\n", "utf-8")
+    cost([str(command), "generate_assignment", NAME], course, environment)
+    released = (course / "release" / NAME / source.name).read_text("utf-8")
+    for student, answer in handed_in.items():
+        path = course / "submitted" / student / NAME / source.name
+        path.parent.mkdir(parents=True)
+        path.write_text(assignment.theirs(answer, released), "utf-8")
+    run = cost([str(command), "autograde", NAME], course, environment)
+    cost([str(command), "export"], course, environment)
+    return run, marks(course / "grades.csv", "student_id", "score", "max_score")
 
 
 # --- the comparison ---------------------------------------------------------------------------------------------------
@@ -180,13 +146,18 @@ def missed(found: dict) -> list[str]:
     ]
 
 
-def figures(graded: Graded) -> dict[str, float]:
+def steady(first: Cost, run: Cost, number: int) -> float:
+    """Submissions a second, once the first is graded."""
+    return (number - 1) / (run.seconds - first.seconds)
+
+
+def figures(first: Cost, run: Cost, number: int) -> dict[str, float]:
     return {
-        "one submission alone, s": graded.alone,
-        "all, s": graded.seconds,
-        "submissions a second": graded.rate,
-        "submissions a second, once started": graded.steady,
-        "memory, MB": graded.peak,
+        "one submission alone, s": first.seconds,
+        "all, s": run.seconds,
+        "submissions a second, from the start": number / run.seconds,
+        "submissions a second, once started": steady(first, run, number),
+        "memory, MB": run.peak,
     }
 
 
@@ -196,34 +167,34 @@ def main() -> int:
     parser.add_argument("--ours-only", action="store_true", help="without nbgrader, which is not installed then")
     parser.add_argument("--keep", action="store_true", help=f"write {KEPT.relative_to(HERE.parents[1])}")
     asked = parser.parse_args()
-    handed_in = submissions(asked.submissions)
-    void = []
+    number = asked.submissions
+    one, handed_in, more = submissions(1), submissions(number), submissions(COPIES * number)
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder)
-        side_by_side, in_turn = (
-            ours(handed_in, JOBS, scratch),
-            ours(submissions(COPIES * asked.submissions), 1, scratch),
-        )
-        void += misjudged(handed_in, "autograder", side_by_side.marks)
+        first, _ = ours(one, JOBS, scratch)
+        run, got = ours(handed_in, JOBS, scratch)
+        void = misjudged(handed_in, "autograder", got)
+        in_turn = 1e3 / steady(first, ours(more, 1, scratch)[0], len(more))
+        work = 1e3 * own_work(handed_in)
         found = {
             "date": datetime.date.today().isoformat(),
             "computer": computer(),
             "versions": {"nbgrader": NBGRADER} | {name: version(name) for name in ("ipython", "matplotlib", "numpy")},
-            "submissions": asked.submissions,
+            "submissions": number,
             "workers": JOBS,
-            "ours": figures(side_by_side),
-        }
-        work = own_work(handed_in)
-        found["ours"] |= {
-            "one after the other, ms a submission": 1e3 / in_turn.steady,
-            "of which the student's own work, ms": 1e3 * work,
-            "overhead, ms": 1e3 * (1 / in_turn.steady - work),
+            "ours": figures(first, run, number)
+            | {
+                "one after the other, ms a submission": in_turn,
+                "of which the student's own work, ms": work,
+                "overhead, ms": in_turn - work,
+            },
         }
         if not asked.ours_only:
-            nbgrader = theirs(handed_in, scratch)
-            void += misjudged(handed_in, "nbgrader", nbgrader.marks)
-            found["nbgrader"] = figures(nbgrader)
-            found["ratios"] = {name: found["ours"][name] / value for name, value in found["nbgrader"].items() if value}
+            first, _ = theirs(one, scratch)
+            run, got = theirs(handed_in, scratch)
+            void += misjudged(handed_in, "nbgrader", got)
+            found["nbgrader"] = figures(first, run, number)
+            found["ratios"] = {name: found["ours"][name] / value for name, value in found["nbgrader"].items()}
 
     console = Console(soft_wrap=True, highlight=False)
     columns = [name for name in ("ours", "nbgrader", "ratios") if name in found]
