@@ -1,0 +1,88 @@
+"""The whole examination on every core, and what came of it as data, from which a figure can be drawn."""
+
+import json
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+from autograder.checks import EXERCISES
+from examination.mutants import Mutant, mutants
+from examination.solutions import Solution, solution, solutions
+from examination.trial import Judged, equivalents, judge
+
+FILE = Path(__file__).parents[2] / "_build" / "examination.json"
+AT_ONCE = 30  # mutants in one job of a process
+
+# What no aspect looks at, by function and by what the mutant's name begins with, and why it need not.
+WAIVED: dict[tuple[str, str], str] = {
+    ("newton", "message"): "the task asks for nothing in the message",
+    ("jacobian_fd", "constant, line 20: 1.0"): "a step that is a little wider is as good",
+    ("jacobian_fd", "minus, line 20"): "so is the same step to the other side",
+}
+
+
+def judged(task: str, some: Sequence[Mutant]) -> list[Judged]:
+    return [judge(solution(task), mutant) for mutant in some]
+
+
+def compared(task: str, survivors: Sequence[Mutant]) -> dict[Mutant, str]:
+    return equivalents(solution(task), survivors)
+
+
+def examined(of: Sequence[Solution] = ()) -> list[dict]:
+    """Every mutant of the solutions, counted and told apart; a row for each function that tasks ask for."""
+    of = of or solutions()
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        made = {s: mutants(s.source) for s in of}
+        jobs = {
+            s: [pool.submit(judged, s.tasks[0].name, some[i : i + AT_ONCE]) for i in range(0, len(some), AT_ONCE)]
+            for s, some in made.items()
+        }
+        results = {s: [result for job in each for result in job.result()] for s, each in jobs.items()}
+        survivors = {
+            s: [m for m, result in zip(made[s], results[s], strict=True) if not result.lost and not waived(s, m)]
+            for s in of
+        }
+        differs = {s: pool.submit(compared, s.tasks[0].name, survivors[s]) for s in of}
+        return [_row(s, made[s], results[s], differs[s].result()) for s in of]
+
+
+def waived(of: Solution, mutant: Mutant) -> str:
+    """Why this mutant may keep its points; empty if it may not."""
+    reasons = (why for (function, slip), why in WAIVED.items() if of.function == function and slip in str(mutant))
+    return next(reasons, "")
+
+
+def _row(of: Solution, made: list[Mutant], results: list[Judged], differs: dict[Mutant, str]) -> dict:
+    def number(condition: Callable[[Judged], bool]) -> int:
+        return sum(map(condition, results))
+
+    return {
+        "tasks": [task.name for task in of.tasks],
+        "mutants": len(made),
+        "killed": number(lambda r: r.lost),
+        "by an exception alone": number(lambda r: r.lost and r.verdicts <= {"error", "missing"}),
+        "timeouts": number(lambda r: "timeout" in r.verdicts),
+        "equivalent": [str(mutant) for mutant, where in differs.items() if not where],
+        "waived": {str(m): waived(of, m) for m, r in zip(made, results, strict=True) if not r.lost and waived(of, m)},
+        "survivors": {str(mutant): where for mutant, where in differs.items() if where},
+    }
+
+
+def mistakes() -> list[dict]:
+    """How many mistakes each task knows by name, and what tells them."""
+    return [
+        {
+            "task": task.name,
+            "by value": sum(not variant.by_path for variant in task.variants),
+            "by path": sum(variant.by_path for variant in task.variants),
+        }
+        for exercise in EXERCISES.values()
+        for task in exercise.tasks
+    ]
+
+
+def write(rows: list[dict]) -> None:
+    FILE.parent.mkdir(exist_ok=True)
+    FILE.write_text(json.dumps({"mutants": rows, "mistakes": mistakes()}, indent=1, ensure_ascii=False) + "\n", "utf-8")

@@ -1,0 +1,147 @@
+"""Mutants before the judge: which lose points, and which of the others are no mistakes at all."""
+
+import signal
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from itertools import count
+
+import numpy as np
+
+from autograder.judge import ENDLESS, assess
+from autograder.outcome import Outcome, Raised, Value
+from autograder.spec import Case, Task, Trial, recorded
+from examination.mutants import Mutant
+from examination.solutions import Solution
+
+SALT = "examination"
+STUDENTS = ("first", "second")  # a mutant must lose points with both
+INPUTS = 10_000  # on which an equivalent mutant is the reference
+SECONDS = 5.0  # for one case
+ROUND_OFF = 1e-12
+
+# Where an aspect looks at the points of evaluation as well, or counts them.
+BY_EVALUATIONS = {"brackets", "newton_1d", "failures", "newton", "jacobian_fd", "saw_position", "saw_sweep"}
+
+
+class Endless(BaseException):
+    """The time is up; no `except Exception` of a mutant's may catch it."""
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    def stop(*_):
+        raise Endless
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def calling(function: Callable, limit: float = SECONDS) -> Callable:
+    """A submission whose every function is this one; it warns nobody, and its time is limited."""
+
+    def call(_, args, kwargs, seconds) -> Outcome:
+        try:
+            with warnings.catch_warnings(), np.errstate(all="ignore"), time_limit(limit):
+                warnings.simplefilter("ignore")
+                return Value(function(*args, **kwargs))
+        except Endless:
+            return ENDLESS
+        except Exception as mistake:
+            return Raised.of(mistake)
+
+    return call
+
+
+@cache
+def _drawn(task: Task, student: str) -> list[Case]:
+    return task.draw(SALT, student)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What became of a mutant.
+
+    Attributes
+    ----------
+    lost : it lost points with every student.
+    verdicts : of the judge, on each task and student.
+    """
+
+    lost: bool
+    verdicts: frozenset[str]
+
+
+def judge(of: Solution, mutant: Mutant, seconds: float = SECONDS) -> Judged:
+    call = calling(of.made(mutant.source), seconds)
+    verdicts, losses = set(), []
+    for student in STUDENTS:
+        assessments = [assess(task, call, _drawn(task, student), public=False) for task in of.tasks]
+        verdicts |= {a.verdict for a in assessments}
+        losses.append(any(a.points < a.max for a in assessments))
+    return Judged(all(losses), frozenset(verdicts))
+
+
+def inputs(case: Case) -> int:
+    """A map has a seed a point, and a sweep a crank angle a position: each is an input."""
+    sizes = [np.size(arg) for arg in case.args[2:4] if isinstance(arg, np.ndarray)]
+    return int(np.prod(sizes)) if sizes else 1
+
+
+def equivalents(of: Solution, survivors: Iterable[Mutant], inputs_wanted: int = INPUTS) -> dict[Mutant, str]:
+    """The first input on which each mutant differs from the reference; empty where it does on none of many.
+
+    All are tried on the same inputs, drawn as a student's are, and together cost one draw and one reference.
+    """
+    differs = dict.fromkeys(survivors, "")
+    left = {mutant: calling(of.made(mutant.source)) for mutant in differs}
+    reference = calling(of.made())
+    for task in of.tasks:
+        tried = 0
+        for n in count():
+            for case in task.draw(f"{SALT} of equals", f"student {n}"):
+                right = _trial(reference, case)
+                for mutant, call in list(left.items()):
+                    if not same(right, _trial(call, case), task.name in BY_EVALUATIONS):
+                        differs[mutant] = f"student {n}: {case.label}"
+                        del left[mutant]
+                tried += inputs(case)
+            if tried >= inputs_wanted or not left:
+                break
+    return differs
+
+
+def _trial(call: Callable, case: Case) -> Trial:
+    args, evaluations = recorded(case)
+    return Trial(case, call("", args, case.kwargs, SECONDS), evaluations)
+
+
+def same(a: Trial, b: Trial, by_evaluations: bool) -> bool:
+    """Whether two trials are the same but for round-off."""
+    if by_evaluations and not alike([*map(list, a.evaluations)], [*map(list, b.evaluations)]):
+        return False
+    match a.outcome, b.outcome:
+        case Value(value=one), Value(value=other):
+            return alike(one, other)
+        case one, other:
+            return one == other
+
+
+def alike(one, other) -> bool:
+    if isinstance(one, (tuple, list)) and isinstance(other, (tuple, list)):
+        return len(one) == len(other) and all(map(alike, one, other))
+    try:
+        one, other = np.asarray(one), np.asarray(other)
+    except ValueError:
+        return False
+    if one.dtype.kind not in "biuf" or other.dtype.kind not in "biuf":
+        return one.shape == other.shape and bool((one == other).all())
+    scale = np.abs(one[np.isfinite(one)]).max(initial=0.0)
+    return one.shape == other.shape and np.allclose(one, other, rtol=0, atol=ROUND_OFF * scale, equal_nan=True)
