@@ -1,10 +1,15 @@
 """What came back from a student's function, as the array that an aspect looks into."""
 
+import re
+from collections.abc import Callable
+
 import numpy as np
 
-from autograder.compare import numbers
+from autograder.compare import Tolerance, disagreement, numbers
 from autograder.outcome import Raised, Value
 from autograder.spec import Trial
+
+NUMBER = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|\b(?:nan|inf)\b)")
 
 
 def array(trial: Trial, shape: tuple[int, ...], named: str = "") -> np.ndarray | str:
@@ -26,3 +31,32 @@ def array(trial: Trial, shape: tuple[int, ...], named: str = "") -> np.ndarray |
     if isinstance(got, str):
         return got
     return got if got.shape == shape else f"its shape is {got.shape}, and not {f'{named} = ' if named else ''}{shape}"
+
+
+def said(message: str) -> list[float]:
+    """The numbers in a message."""
+    return [float(number) for number in NUMBER.findall(message)]
+
+
+def refuses(wrong: Callable[..., tuple[float, ...]], tolerance: Tolerance) -> Callable:
+    """Looks for the exception that is right, and for the value that is wrong in its message, to three digits.
+
+    Parameters
+    ----------
+    wrong : callable
+        The arguments of the case -> the values of which one must be told.
+    tolerance : Tolerance
+        For good input at the edge of the bad, which must not be refused.
+    """
+
+    def fault(trial: Trial, right: Trial) -> str | None:
+        if why := disagreement(right.outcome, trial.outcome, tolerance):
+            return why
+        if not isinstance(trial.outcome, Raised):
+            return None
+        told = np.array(said(trial.outcome.message))
+        if any(np.isclose(told, value, rtol=1e-2, equal_nan=True).any() for value in wrong(*trial.case.args)):
+            return None
+        return "its message does not hold the value that is wrong"
+
+    return fault

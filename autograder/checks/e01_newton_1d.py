@@ -1,10 +1,12 @@
 """Exercise 1: Newton-Raphson in one variable."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
+from autograder.checks.answers import refuses
 from autograder.checks.iteration import (
     ends_on_the_root,
     errors,
@@ -42,9 +44,10 @@ def bracket_cases(rng: np.random.Generator) -> list[Case]:
         f = f if count else lambda x: np.cosh(x)
         cases.append(Case((f, a, b, n), label=f"{count} changes of sign on [{a:.3g}, {b:.3g}] with n = {n}"))
     f, a, b, n = cases[0].args
-    cases.append(Case((f, b, a, n), kind="bad", label="a > b"))
-    cases.append(Case((f, a, b, 0), kind="bad", label="n = 0"))
-    return cases
+    few = -int(rng.integers(2, 9))
+    bad = (((b, a, n), "a > b"), ((a, a, n), "a = b"), ((a, b, 0), "n = 0"), ((a, b, few), f"n = {few}"))
+    cases += [Case((f, *args), kind="bad", label=label) for args, label in bad]
+    return [*cases, Case((f, a, b, 1), kind="bad", label="n = 1, which is good")]
 
 
 def without_a_change(f, a, b, n):
@@ -58,18 +61,25 @@ def each_grid_point_once(trial: Trial, right: Trial) -> str | None:
     return None if points <= n + 1 else f"it evaluates f at {points} points, where the grid has {n + 1}"
 
 
+GRID = Tolerance(1e-9, "a grid point is right to round-off")
+
 BRACKETS = Task(
     name="brackets",
     title="the subintervals that hold a zero, by Bolzano",
     function="brackets",
     reference=brackets,
     cases=bracket_cases,
-    tolerance=Tolerance(1e-9, "a grid point is right to round-off"),
+    tolerance=GRID,
     section="newton-1d: Is there a root, and is it the only one?",
     aspects=(
         Aspect("it returns every subinterval on which f changes sign, and no other", 1.0),
         Aspect("it evaluates f once at each grid point", 0.5, each_grid_point_once),
-        Aspect("it refuses a >= b and n < 1 with a ValueError", 0.5, kind="bad"),
+        Aspect(
+            "it refuses a >= b and n < 1, and nothing else, with a ValueError that holds the wrong value",
+            0.5,
+            refuses(lambda f, a, b, n: (n,) if a < b else (a, b), GRID),
+            kind="bad",
+        ),
     ),
     variants=(
         Variant(
@@ -101,7 +111,7 @@ BRACKETS = Task(
 
 
 def functions(rng: np.random.Generator, scale: float) -> tuple[Function, Function, float, str]:
-    """An increasing function with one root of the order of the scale, its derivative, a seed, and its name."""
+    """A function with one root of the order of the scale and of its sign, its derivative, a seed, and its name."""
     height = 10 ** rng.uniform(-4, 4) * rng.choice([-1, 1])  # the size of f tells nothing of the distance to its root
     c = rng.uniform(1.2, 3)
     g, dg, name = [
@@ -136,12 +146,13 @@ def newton_cases(rng: np.random.Generator) -> list[Case]:
     def iterations(function: Callable) -> np.ndarray:
         return np.array([len(function(*case.args)) for case in cases])
 
+    side = rng.choice([-1, 1])  # a root of either sign, reached from either side
     while True:
         cases = [
-            solvable(rng, scale=1e3 * rng.uniform(1, 9), tol=1e-6, error="absolute"),
-            solvable(rng, scale=1e4 * rng.uniform(1, 9), tol=1e-5, error="relative"),
-            solvable(rng, scale=1e-3 * rng.uniform(1, 9), tol=1e-6, error="absolute"),
-            solvable(rng, scale=1e-4 * rng.uniform(1, 9), tol=1e-7, error="relative"),
+            solvable(rng, scale=side * 1e3 * rng.uniform(1, 9), tol=1e-6, error="absolute"),
+            solvable(rng, scale=side * 1e4 * rng.uniform(1, 9), tol=1e-5, error="relative"),
+            solvable(rng, scale=-side * 1e-3 * rng.uniform(1, 9), tol=1e-6, error="absolute"),
+            solvable(rng, scale=-side * 1e-4 * rng.uniform(1, 9), tol=1e-7, error="relative"),
         ]
         right = iterations(iterates)
         ways = [right - 1, right, right + 1, *map(iterations, (on_the_residual, always_absolute, always_relative))]
@@ -234,7 +245,8 @@ NEWTON_1D = Task(
 
 
 def failing_functions(rng: np.random.Generator) -> Iterator[tuple[Function, Function, float, str]]:
-    a, c = rng.uniform(0.3, 0.7, 2) + rng.integers(2, 9, 2)
+    # Python's own numbers: their division by zero is not NumPy's
+    a, c = (rng.uniform(0.3, 0.7, 2) + rng.integers(2, 9, 2)).tolist()
     yield lambda x: (x - a) ** 2 - c, lambda x: 2 * (x - a), a, "a seed where the derivative is zero"
     yield (
         lambda x: ((x - a) / c) ** 3 - 2 * (x - a) / c + 2,
@@ -247,7 +259,10 @@ def failing_functions(rng: np.random.Generator) -> Iterator[tuple[Function, Func
 
 
 def failure_cases(rng: np.random.Generator) -> list[Case]:
-    return [Case((f, df, seed, 1e-9, "absolute", 25), label=name) for f, df, seed, name in failing_functions(rng)]
+    cases = [Case((f, df, seed, 1e-9, "absolute", 25), label=name) for f, df, seed, name in failing_functions(rng)]
+    f, df, seed, tol, error, _ = solvable(rng, scale=rng.uniform(1, 9), tol=1e-6, error="relative").args
+    enough = newton_1d(f, df, seed, tol, error).iterations
+    return [*cases, Case((f, df, seed, tol, error, enough - 1), label="one iteration fewer than it takes")]
 
 
 FAILURES = Task(
@@ -272,19 +287,29 @@ FAILURES = Task(
 
 
 def order_cases(rng: np.random.Generator) -> list[Case]:
-    def converging(p: float, rate: float, steps: int, tail: int) -> np.ndarray:
-        root, errors = rng.uniform(1, 5), [rng.uniform(0.05, 0.2)]
+    sign = rng.choice([-1, 1])
+
+    def converging(p: float, rate: float, steps: int, sign: int, tail: tuple[float, ...] = ()) -> np.ndarray:
+        """Iterates near a root; those of the tail are so many units of round-off off it, a little less or more."""
+        root, errors = sign * rng.uniform(1.7, 1.95) * 2.0 ** rng.integers(-10, 10), [rng.uniform(0.05, 0.2)]
         for _ in range(steps):
             errors.append(rate * errors[-1] ** p)
-        settled = root + np.spacing(root) * (np.arange(tail) % 2)  # the last digit goes on trembling
-        return np.concatenate((root + np.array(errors), settled))
+        digits = np.round(np.array(tail) * np.finfo(float).eps * abs(root) / np.spacing(abs(root)))
+        return np.concatenate((root + abs(root) * np.array(errors), root + np.spacing(abs(root)) * digits))
 
+    golden, short = (1 + 5**0.5) / 2, partial(Case, kind="short")
     return [
-        Case((converging(2, rng.uniform(0.5, 1), 3, tail=3),), label="a quadratic history that ends in round-off"),
-        Case((converging(1, rng.uniform(0.2, 0.5), 12, tail=0),), label="a linear history"),
-        Case((converging((1 + 5**0.5) / 2, rng.uniform(0.5, 1), 5, tail=2),), label="the history of a secant method"),
-        Case((converging(2, 0.8, 1, tail=0),), kind="short", label="two iterates"),
-        Case((np.repeat(rng.uniform(1, 5), 5),), kind="short", label="no step above round-off"),
+        # the last digits go on trembling
+        Case(
+            (converging(2, rng.uniform(0.5, 1), 3, sign, (0, 7.6, 0)),),
+            label="a quadratic history that ends in round-off",
+        ),
+        Case((converging(1, rng.uniform(0.2, 0.5), 12, sign),), label="a linear history"),
+        Case((converging(golden, rng.uniform(0.5, 1), 5, -sign, (8.4, 0)),), label="the history of a secant method"),
+        Case((converging(2, rng.uniform(0.5, 1), 3, -sign),), label="a quadratic history of four iterates"),
+        short((converging(2, 0.8, 1, sign),), label="two iterates"),
+        short((converging(2, 0.8, 2, sign),), label="three iterates"),
+        short((np.repeat(rng.uniform(1, 5), 5),), label="no step above round-off"),
     ]
 
 

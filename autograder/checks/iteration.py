@@ -1,10 +1,10 @@
 """What can be said of a Newton-Raphson iteration from its history, and from where it evaluated the function."""
 
-import re
 from collections.abc import Callable
 
 import numpy as np
 
+from autograder.checks.answers import said
 from autograder.compare import Tolerance, difference, numbers
 from autograder.outcome import Raised, Value
 from autograder.spec import Trial, Variant
@@ -81,6 +81,8 @@ def evaluates_once_an_iteration(trial: Trial, right: Trial) -> str | None:
 
 def fails_aloud(trial: Trial, right: Trial) -> str | None:
     match trial.outcome:
+        case Raised(type="ZeroDivisionError"):
+            return "it raised ZeroDivisionError, which is Python's own word, and not ConvergenceError"
         case Raised() as raised if raised.is_a("ArithmeticError"):
             pairs = zip(trial.evaluations, right.evaluations, strict=True)
             tried = any(asked and len(asked) >= len(needed) for asked, needed in pairs)
@@ -94,12 +96,12 @@ def fails_aloud(trial: Trial, right: Trial) -> str | None:
 def says_where(trial: Trial, right: Trial) -> str | None:
     if not isinstance(trial.outcome, Raised):
         return "it returned a value where there is no root to be found"
-    said = [float(n) for n in re.findall(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?", trial.outcome.message)]
+    told = said(trial.outcome.message)
     f, df, *_ = trial.case.args
     seen = [float(np.ravel(asked[0])[0]) for log in trial.evaluations for asked in log[-2:] if np.size(asked[0]) == 1]
     ahead = [x - f(x) / df(x) for x in seen if df(x)]
     # three digits of the point are enough: the message is for people
-    if any(np.isclose(said, x, rtol=1e-2, atol=1e-9).any() for x in [*seen, *ahead] if np.isfinite(x)):
+    if any(np.isclose(told, x, rtol=1e-2, atol=1e-9).any() for x in [*seen, *ahead] if np.isfinite(x)):
         return None
     return "its message does not tell the x at which it failed"
 
