@@ -287,28 +287,30 @@ FAILURES = Task(
 
 
 def order_cases(rng: np.random.Generator) -> list[Case]:
-    sign = rng.choice([-1, 1])
+    sign, size = rng.choice([-1, 1]), int(rng.integers(3, 10))
+    eps = np.finfo(float).eps
 
-    def converging(p: float, rate: float, steps: int, sign: int, tail: tuple[float, ...] = ()) -> np.ndarray:
-        """Iterates near a root; those of the tail are so many units of round-off off it, a little less or more."""
-        root, errors = sign * rng.uniform(1.7, 1.95) * 2.0 ** rng.integers(-10, 10), [rng.uniform(0.05, 0.2)]
+    def converging(p: float, rate: float, first: float, steps: int, sign: int, size: int) -> np.ndarray:
+        """Iterates near a root of the size of a power of two, which end in a step that counts and two that do not."""
+        root, errors = sign * rng.uniform(1.7, 1.95) * 2.0**size, [first]
         for _ in range(steps):
             errors.append(rate * errors[-1] ** p)
-        digits = np.round(np.array(tail) * np.finfo(float).eps * abs(root) / np.spacing(abs(root)))
-        return np.concatenate((root + abs(root) * np.array(errors), root + np.spacing(abs(root)) * digits))
+        unit = np.spacing(abs(root))  # about half of eps at the root: some 8.4, 0 and 7.6 units of round-off can be met
+        digits = np.round(np.array([8.4, 0, 7.6, 0]) * eps * abs(root) / unit)
+        return np.concatenate((root + abs(root) * np.array(errors), root + unit * digits))
 
-    golden, short = (1 + 5**0.5) / 2, partial(Case, kind="short")
+    rate, golden, short = rng.uniform(0.2, 0.5), (1 + 5**0.5) / 2, partial(Case, kind="short")
+    down = int(np.log(40 * eps) / np.log(rate))
+    quadratic = converging(2, rng.uniform(0.5, 1), rng.uniform(0.12, 0.25), 3, sign, size)
+    linear = converging(1, rate, rng.uniform(0.3, 0.5), down, sign, -size)
+    secant = converging(golden, rng.uniform(0.5, 1), rng.uniform(0.12, 0.25), 5, -sign, -size)
     return [
-        # the last digits go on trembling
-        Case(
-            (converging(2, rng.uniform(0.5, 1), 3, sign, (0, 7.6, 0)),),
-            label="a quadratic history that ends in round-off",
-        ),
-        Case((converging(1, rng.uniform(0.2, 0.5), 12, sign),), label="a linear history"),
-        Case((converging(golden, rng.uniform(0.5, 1), 5, -sign, (8.4, 0)),), label="the history of a secant method"),
-        Case((converging(2, rng.uniform(0.5, 1), 3, -sign),), label="a quadratic history of four iterates"),
-        short((converging(2, 0.8, 1, sign),), label="two iterates"),
-        short((converging(2, 0.8, 2, sign),), label="three iterates"),
+        Case((quadratic,), label="a quadratic history that ends in round-off"),
+        Case((linear,), label="a linear history that ends in round-off"),
+        Case((secant,), label="the history of a secant method that ends in round-off"),
+        Case((quadratic[:4],), label="a quadratic history of four iterates"),
+        short((quadratic[:2],), label="two iterates"),
+        short((quadratic[:3],), label="three iterates"),
         short((np.repeat(rng.uniform(1, 5), 5),), label="no step above round-off"),
     ]
 
