@@ -63,7 +63,10 @@ def newton_cases(rng: np.random.Generator) -> list[Case]:
             if not ((path.errors > tol / 3) & (path.errors < 3 * tol)).any() and 3 <= path.iterations <= 8:
                 break
         cases.append(Case((residual, jacobian, seed, tol, 40), label=f"{n} unknowns of the order of {scale:g}"))
-    return [*cases, _ill_conditioned(rng), *_without_a_root(rng)]
+    few = Case(
+        (residual, jacobian, seed, tol, path.iterations - 1), kind="failing", label="one iteration fewer than it takes"
+    )
+    return [*cases, _ill_conditioned(rng), *_without_a_root(rng), few]
 
 
 def _ill_conditioned(rng: np.random.Generator) -> Case:
@@ -183,7 +186,7 @@ def difference_cases(rng: np.random.Generator) -> list[Case]:
         for m, n in ((3, 3), (2, 4), (5, 2))
     ]
     size = 10 ** rng.uniform(7, 8)
-    x = size * rng.uniform(1, 3, 3)
+    x = size * rng.uniform(1, 3, 3) * rng.permutation([-1, -1, 1])
     return [*cases, Case((long(3, size), x), kind="large", label=f"unknowns of the order of {size:.0e}")]
 
 
@@ -232,16 +235,25 @@ JACOBIAN_FD = Task(
 
 
 def planted_cases(rng: np.random.Generator) -> list[Case]:
-    """Right Jacobians with mistakes planted at random places."""
+    """Right Jacobians with mistakes planted at random places.
 
-    def planted(n: int, mistakes: int, kind: str, spread: float) -> Case:
-        a = rng.uniform(0.5, 2, (n, n)) * rng.choice([-1, 1], (n, n))
-        rows = 10 ** rng.uniform(-spread, spread, (n, 1))  # each equation has units of its own
+    Each row has a right entry that is almost zero, and one row has no positive entry: an entry is judged neither by its
+    own size nor by the largest with its sign. The first mistake of each is a small one.
+    """
+
+    def planted(n: int, mistakes: int, kind: str, rows: np.ndarray | float = 1.0) -> Case:
         x = rng.uniform(0.3, 1.2, n)
         # |y'| of sin stays away from zero here, so that every planted change can be seen
+        a = rng.uniform(0.5, 2, (n, n)) * rng.choice([-1, 1], (n, n))
+        row = rng.integers(n)
+        a[row] = -np.abs(a[row])
+        nearly_zero = rng.integers(n, size=n)
+        a[np.arange(n), nearly_zero] = -1e-9
         factor = np.ones((n, n))
-        for place in rng.choice(n * n, mistakes, replace=False):
-            factor.flat[place] = rng.choice([-1.0, 0.0, 1.5, 0.7])
+        places = rng.permutation([(i, j) for i, j in np.ndindex(n, n) if j != nearly_zero[i]])
+        for k, (i, j) in enumerate(places[:mistakes]):
+            small = 1 + 0.02 * np.abs(a[i] * np.cos(x)).max() / (a[i, j] * np.cos(x[j]))
+            factor[i, j] = rng.choice([-1.0, 0.0, 1.5, 0.7]) if k else small
 
         def residual(x):
             return (rows * a * np.sin(np.asarray(x, dtype=float))).sum(axis=1)
@@ -252,11 +264,12 @@ def planted_cases(rng: np.random.Generator) -> list[Case]:
         return Case((residual, jacobian, x), kind=kind, label=f"{mistakes} wrong entries of {n * n}")
 
     return [
-        planted(3, 2, "normal", spread=0),
-        planted(4, 3, "normal", spread=0),
-        planted(5, 1, "normal", spread=0),
-        planted(4, 0, "right", spread=0),
-        planted(4, 3, "units", spread=6),
+        planted(3, 2, "normal"),
+        planted(4, 3, "normal"),
+        planted(5, 1, "normal"),
+        planted(4, 0, "right"),
+        # each equation has units of its own, from the smallest to the largest, and most have a mistake
+        planted(4, 8, "units", rows=rng.permutation(np.logspace(-6, 6, 4))[:, None]),
     ]
 
 
@@ -371,7 +384,10 @@ def basin_cases(rng: np.random.Generator) -> list[Case]:
             args = (residual, jacobian, xs, ys, roots[:known])
             kind = "none" if nx == 6 else "normal"
             case = Case(args, kind=kind, label=f"{nx} x {ny} seeds, {known} of 3 roots known")
-            leaps = (basins(*args) != nearest_root(*args))[settled(case)].sum()
+            found = basins(*args)
+            leaps = (found != nearest_root(*args))[settled(case)].sum()
+            if nx == 6 and (found[2, 1] < 0 or found[1, 2] < 0):
+                leaps = 0  # what was found just before the singular point must not pass for what is found there
         cases.append(case)
     return cases
 
