@@ -88,7 +88,7 @@ def valid(t, T):
     if not T > 0:
         raise ValueError(f"T = {T}")
     if not np.all(np.isfinite(t)) or np.min(t) < 0:
-        raise ValueError("t")
+        raise ValueError(f"t = {next(x for x in t if not 0 <= x < np.inf)}")
 
 
 def by_a_loop(t, T, peak):

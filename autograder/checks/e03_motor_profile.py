@@ -9,7 +9,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import PPoly
 
-from autograder.checks.answers import array
+from autograder.checks.answers import array, refuses
 from autograder.compare import Tolerance, difference, disagreement, numbers
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
@@ -256,21 +256,35 @@ def turn_cases(rng: np.random.Generator) -> list[Case]:
         peak = rng.uniform(6, 20)  # the source has 5
         cases.append(Case((peak, turns), label=f"turns = {turns:.3g}, peak = {peak:.3g} rad/s^2"))
     peak, turns = rng.uniform(1, 9, 2)
-    bad = [Case((-peak, turns), kind="bad", label="a negative peak"), Case((peak, 0.0), kind="bad", label="no turn")]
-    return [*cases, *bad]
+    slow = rng.uniform(0.2, 0.8)
+    cases.append(Case((slow, turns), label=f"turns = {turns:.3g}, peak = {slow:.3g} rad/s^2"))
+    bad = ((-peak, turns), "a negative peak"), ((0.0, turns), "no peak"), ((peak, 0.0), "no turn")
+    bad += (((peak, -turns), "turns backwards"),)
+    return [*cases, *(Case(args, kind="bad", label=label) for args, label in bad)]
+
+
+def first_turn(peak: float, turns: float) -> float:
+    if not turns > 0:
+        raise ValueError(f"turns must be positive, got {turns}")
+    return MotorProfile.through(2 * np.pi * turns, peak).T
 
 
 FIRST_TURN = Task(
     name="first_turn",
     title="the duration of a run-up that turns through so many turns",
     function="first_turn",
-    reference=lambda peak, turns: MotorProfile.through(2 * np.pi * turns, peak).T,
+    reference=first_turn,
     cases=turn_cases,
     tolerance=Tolerance(1e-6, "a formula is right to round-off, a root-finder to its tolerance"),
     section="motor-profile: How long is one turn?",
     aspects=(
         Aspect("the run-up of that duration turns through that angle", 0.75),
-        Aspect("it refuses a peak or a number of turns that is not positive with a ValueError", 0.25, kind="bad"),
+        Aspect(
+            "it refuses a peak or a number of turns that is not positive with a ValueError that holds the value",
+            0.25,
+            refuses(lambda *args: tuple(arg for arg in args if arg <= 0), ROUND_OFF),
+            kind="bad",
+        ),
     ),
     variants=(
         Variant(
@@ -415,10 +429,10 @@ def summed_up(t, T, peak):
 
 def profile_cases(rng: np.random.Generator) -> list[Case]:
     cases = []
-    for most in (2.0, 1.3, 4.0):
-        T = 3 * rng.integers(30, 80) / 64  # T/3 is exact: no rounding puts an end of a piece on its other side
+    for most, T in zip((2.0, 1.3, 4.0), rng.permutation([rng.integers(10, 20), *rng.integers(30, 80, 2)]), strict=True):
+        T = 3 * T / 64  # T/3 is exact: no rounding puts an end of a piece on its other side
         peak = rng.uniform(6, 12)
-        inside = (np.arange(3)[:, None] + rng.uniform(0.1, 0.9, (3, 3))).ravel() * T / 3
+        inside = (np.arange(3)[:, None] + [*rng.uniform(0.1, 0.9, 2), rng.uniform(0.95, 0.99)]).ravel() * T / 3
         ends = T / 3 * np.arange(4)
         t = np.concatenate((inside, ends, rng.uniform(1.05, most, 4) * T))
         label = f"{len(t)} instants up to {t.max():.3g} s, T = {T:.4g} s, peak = {peak:.3g} rad/s^2"
@@ -464,7 +478,12 @@ MOTOR_PROFILE = Task(
         Aspect("alpha, omega and theta are right during the run-up", 2.0, partial(right_rows, where=inside_a_piece)),
         Aspect("from T on the speed stays, and the angle grows", 1.0, partial(right_rows, where=past_the_run_up)),
         Aspect("0, T/3, 2T/3 and T belong to a piece, too", 0.5, partial(right_rows, where=np.isin)),
-        Aspect("a negative or not finite t, and a T that is not positive, get a ValueError", 0.5, kind="bad"),
+        Aspect(
+            "a negative or not finite t, and a T that is not positive, get a ValueError that holds the value",
+            0.5,
+            refuses(lambda t, T, peak: (T,) if T <= 0 else (t[-1],), ROUND_OFF),
+            kind="bad",
+        ),
     ),
     variants=(
         Variant(
@@ -645,7 +664,9 @@ def planted_cases(rng: np.random.Generator) -> list[Case]:
         return spoilt
 
     def case(name: str, k: int, spoil: Callable | None, kind: str) -> Case:
-        T, peak = 3 * rng.integers(15, 80) / 64, rng.uniform(2, 9)
+        # an error is small and a right profile large: no number is a measure of an error but a share of the largest
+        T = 3 * rng.integers(15, 80) / 64 * 2.0 ** rng.integers(-3, 4)
+        peak = rng.uniform(2, 9) * (1e-4 if spoil else 1e4)
         ends, alpha = run_up(T, peak)
         curves = dict(zip(("omega", "theta"), integrated(ends, alpha), strict=True))
         if spoil:
