@@ -62,7 +62,7 @@ def closed(q, theta2, lengths):
     gap = [r1 * np.cos(th1) - r2 * np.cos(theta2) - r3 * np.cos(th3)]
     gap += [r1 * np.sin(th1) - r2 * np.sin(theta2) - r3 * np.sin(th3), r1 * np.sin(th1) - r1y]
     if np.abs(gap).max() > 1e-6:
-        raise ValueError("a position is open")
+        raise ValueError(f"position {np.abs(gap).max(axis=0).argmax()} is open")
     return r1, th1, th3
 
 

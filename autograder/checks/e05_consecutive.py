@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from autograder.checks.answers import array
+from autograder.checks.answers import array, refuses
 from autograder.compare import Tolerance, difference
 from autograder.outcome import Raised
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
@@ -329,8 +329,9 @@ def rates_cases(rng: np.random.Generator) -> list[Case]:
         omega2 = rng.uniform(2, 9, n) * rng.choice([-1, 1], n)
         alpha2 = rng.uniform(20, 60, n) * rng.choice([-1, 1], n)
         q = saw.position(theta2)
-        if kind == "open":
-            q[rng.integers(n), rng.integers(1, 3)] += rng.choice([-1, 1]) * rng.uniform(0.05, 0.2)
+        if kind == "open":  # by a little, and with no positive gap: only its size can tell
+            k, gap = rng.integers(3, n), -rng.uniform(1e-5, 1e-4, 3)
+            q[k] += np.linalg.solve(saw.loop.jacobian(q, theta2)[k], gap)
         label = f"{n} point{'s' * (n > 1)}{', one of them open' * (kind == 'open')}, a crank of {saw.r2:.4f} m"
         return Case((q, np.stack((theta2, omega2, alpha2)), (saw.r1y, saw.r2, saw.r3)), kind=kind, label=label)
 
@@ -340,6 +341,12 @@ def rates_cases(rng: np.random.Generator) -> list[Case]:
 def part(index: int, trial: Trial, right: Trial) -> str | None:
     got = array(trial, right.outcome.value.shape)
     return got if isinstance(got, str) else difference(right.outcome.value[index], got[index], RATES_TOLERANCE)
+
+
+def index_of_the_open(q, crank, lengths) -> tuple[int, int]:
+    """The index of the point at which the loop is open, counted from zero or from one."""
+    first = int(np.linalg.norm(Hacksaw(*lengths).loop.residual(q, crank[0]), axis=-1).argmax())
+    return first, first + 1
 
 
 RATES_TOLERANCE = Tolerance(1e-6, "a linear solve is right to 1e-13 of the scale here")
@@ -369,7 +376,12 @@ SAW_RATES = Task(
     aspects=(
         Aspect("the velocities, at one point or many", 1.5, lambda *trials: part(0, *trials)),
         Aspect("the accelerations, at one point or many", 2.0, lambda *trials: part(1, *trials)),
-        Aspect("it raises ValueError where a position does not close the loop", 0.5, kind="open"),
+        Aspect(
+            "it raises ValueError, with the index, where a position does not close the loop",
+            0.5,
+            refuses(index_of_the_open, RATES_TOLERANCE),
+            kind="open",
+        ),
     ),
     variants=(
         *(
