@@ -7,6 +7,18 @@ from attacks.world import WATCHES
 NAMESPACES = ("namespaces",)
 BOTH = ("namespaces", "landlock")
 
+CLASSES = (
+    """
+files outside; reading secrets; network; signals; other processes; rights; the kernel; memory bombs; process bombs;
+disk bombs; endless; endings; lying answers; patching; forged replies; hidden inputs in the feedback; output;
+the next worker
+""".replace("\n", " ")
+    .strip()
+    .split("; ")
+)
+# Of the isolation study; 14 and 15 are about files that are handed in.
+FINDINGS = [f"finding {n}" for n in range(1, 18)]
+
 # What every attacker has at hand. `call` is the kernel without the C library's opinion.
 TOOLS = """
 import contextlib, ctypes, fcntl, itertools, json, mmap, os, signal, socket, struct, subprocess, sys, threading, time
@@ -506,5 +518,319 @@ attacks(
         "a command": "subprocess.Popen(['/bin/sleep', '30'], start_new_session=True)",
         "a daemon": DAEMON,
         "threads": (THREADS, {"watch": "threads", "findings": ()}),
+    },
+)
+
+attacks(
+    "disk bombs",
+    "disk of a worker",
+    levels=NAMESPACES,
+    findings=(12,),
+    table={
+        "much in them": "with refused:\n    for k in range(8): open(str(k), 'wb').write(bytes(15 << 20))",
+        "many files": "with refused:\n    for k in range(30_000): open(str(k), 'w').close()",
+        "a large file": ("with refused: os.truncate(os.open('f', os.O_RDWR | os.O_CREAT), 20 << 30)", {"levels": BOTH}),
+        "folders too deep to remove": (
+            "for _ in range(1500):\n    os.mkdir('d')\n    os.chdir('d')",
+            {"watch": "left behind", "levels": BOTH, "free": False},
+        ),
+        "descriptors": (
+            "import resource\nmost = resource.getrlimit(resource.RLIMIT_NOFILE)[1]\n"
+            "with refused: resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, 4000),) * 2)\n"
+            "kept = []\nwith refused:\n    while len(kept) < 600: kept.append(os.pipe())",
+            {"watch": "descriptors", "levels": BOTH},
+        ),
+    },
+)
+
+# --- the judge's patience ---------------------------------------------------------------------------------------------
+
+SWALLOW = """
+while True:
+    try:
+        while True: pass
+    except BaseException: pass
+"""
+
+attacks(
+    "endless",
+    "patience",
+    seconds=0.3,
+    free=False,
+    table={
+        "that swallows every interrupt": SWALLOW,
+        "in C": "import collections\ncollections.deque(itertools.repeat(0), maxlen=0)",
+        "in a regular expression": "import re\nre.match('(a+)+$', 'a' * 40 + 'b')",
+        "in one operation": "x = 7 ** (10 ** 9)",
+        "asleep": "while True: signal.pause()",
+        "locked out by itself": "lock = threading.Lock()\nwhile True: lock.acquire()",
+        "deaf to signals": "for n in set(signal.Signals) - {9, 19}: signal.signal(n, signal.SIG_IGN)\n" + SWALLOW,
+        "on the way out": """
+import atexit
+atexit.register(time.sleep, 1e6)
+threading.Thread(target=time.sleep, args=(1e6,)).start()
+sys.exit()
+while True: pass
+""",
+        "in a tracer": "sys.settrace(lambda *_: time.sleep(1e6))\nf = lambda: 1\nf()",
+        "deaf to the judge": "while True: os.read(server().requests, 1)",
+    },
+)
+
+ONE = """
+def brackets(*arguments, **options):
+    {body}
+"""
+FUNCTION = ONE + "newton_1d = order = brackets\n"
+
+attacks(
+    "endings",
+    "points",
+    graded=True,
+    seconds=0.5,
+    free=False,
+    table={
+        name: ONE.format(body=body)
+        for name, body in {
+            "os._exit": "os._exit(0)",
+            "sys.exit": "sys.exit(0)",
+            "abort": "os.abort()",
+            "a fault": "ctypes.string_at(0)",
+            "a stack too deep": "sys.setrecursionlimit(1 << 30); return brackets()",
+            "a stack too deep in C": "a = []\n    for _ in range(10 ** 6): a = [a]\n    return repr(a)",
+            "another program": "os.execv('/bin/true', ['true'])",
+            "its descriptors": "os.closerange(0, 200)",
+            "an interrupt": "raise KeyboardInterrupt",
+            "a generator's exit": "raise GeneratorExit",
+            "an endless answer": "return iter(int, 1)",
+            "an endless call": "while True: pass",
+        }.items()
+    },
+)
+
+# --- points that were not earned --------------------------------------------------------------------------------------
+
+YES = "lambda *_, **__: True"
+
+attacks(
+    "lying answers",
+    "points",
+    graded=True,
+    free=False,
+    findings=(16,),
+    table={
+        name: f"class Lie{base}:\n    {body}\n" + FUNCTION.format(body=f"return {answer}")
+        for name, base, body, answer in (
+            ("equal to everything", "", f"__eq__ = __le__ = __lt__ = {YES}", "Lie()"),
+            ("an array on demand", "", "__array__ = lambda self, *_, **__: np.zeros((3, 2))", "Lie()"),
+            ("a number on demand", "", "__float__ = __abs__ = __index__ = lambda self: 0", "Lie()"),
+            ("a float", "(float)", f"__eq__ = __le__ = {YES}; __sub__ = __rsub__ = __abs__ = lambda *_: 0.0", "Lie(1)"),
+            ("an int", "(int)", f"__eq__ = {YES}; bit_length = lambda self: 0", "Lie(10 ** 999)"),
+            ("a text", "(str)", f"__eq__ = {YES}; encode = lambda *_: b''", "Lie('x')"),
+            (
+                "a tuple",
+                "(tuple)",
+                "__iter__ = lambda self: iter([[0, 1]] * 3); __len__ = lambda self: 1 << 62",
+                "Lie()",
+            ),
+            ("a list", "(list)", f"__eq__ = {YES}; __len__ = lambda self: 1 << 62", "Lie()"),
+            ("a dict", "(dict)", "items = lambda self: [(0, self)]", "Lie()"),
+            ("an array", "(np.ndarray)", f"__eq__ = __le__ = {YES}; shape = (3, 2)", "np.zeros((3, 2)).view(Lie)"),
+            ("a number of numpy", "(np.float64)", f"__eq__ = __le__ = {YES}", "Lie(1)"),
+            ("an array of lies", "", f"__eq__ = __le__ = {YES}; __float__ = lambda self: 0.0", "np.array([Lie()] * 3)"),
+            ("another class", "", "__class__ = property(lambda self: np.ndarray)", "Lie()"),
+            ("a pickle", "", "__reduce__ = lambda self: (os.system, ('true',))", "Lie()"),
+            ("a name", "", "__class__ = property(lambda self: type('ndarray', (), {}))", "Lie()"),
+            ("a mask", "", "pass", "np.ma.masked_all((3, 2))"),
+            ("not a number", "", "pass", "np.full((3, 2), np.nan)"),
+        )
+    },
+)
+
+ZERO = FUNCTION.format(body="return np.zeros((3, 2))")
+
+attacks(
+    "patching",
+    "points",
+    graded=True,
+    free=False,
+    table={
+        "the comparisons of numpy": f"""
+import numpy.testing
+for module in (np, np.testing):
+    for name in ('assert_allclose', 'assert_equal', 'assert_array_equal', 'allclose', 'isclose', 'array_equal'):
+        setattr(module, name, {YES})
+{ZERO}""",
+        "builtins": f"import builtins\nbuiltins.abs = builtins.all = builtins.isinstance = {YES}\n{ZERO}",
+        "the stand-ins": f"""
+import autograder.notebook, types
+autograder.notebook.check = {YES}
+for name in ('judge', 'spec', 'compare', 'checks'):
+    sys.modules[f'autograder.{{name}}'] = types.SimpleNamespace(disagreement=lambda *_: None)
+{ZERO}""",
+        "files of the tests": f"""
+for path in ('autograder/judge.py', 'autograder/checks/__init__.py', 'tests/test_newton.py', '01_newton_1d.ipynb'):
+    os.makedirs(os.path.dirname(path) or '.', exist_ok=True)
+    open(path, 'w').write('disagreement = lambda *_: None')
+{ZERO}""",
+        "its own encoder": f"server().call.__func__.__globals__['wire'].encode = lambda *_: (True, b'')\n{ZERO}",
+        "its own server": f"s = server()\ntype(s).call = lambda *_: ({{'value': True, 'points': 99}}, b'')\n{ZERO}",
+        "the judge's functions": FUNCTION.format(
+            body="f = arguments[0]\n    return [c.cell_contents for c in f.__closure__] + [f.__globals__['__name__']]"
+        ),
+        "the reference, if it lies in memory": """
+import gc
+def found(name):
+    return lambda *a, **k: next(
+        g for g in gc.get_objects()
+        if getattr(g, '__name__', '') == name and getattr(g, '__module__', '').startswith(('mechlib', 'autograder'))
+    )(*a, **k)
+brackets, newton_1d, order = map(found, ('brackets', 'newton_1d', 'order'))
+""",
+        "the solution, if it lies on the disk": """
+cells = json.load(open(SOLUTION))['cells']
+for cell in cells:
+    if cell['cell_type'] == 'code':
+        with contextlib.suppress(Exception): exec(''.join(cell['source']), globals())
+""",
+    },
+)
+
+# --- the protocol -----------------------------------------------------------------------------------------------------
+
+
+def forged(*acts: str) -> str:
+    return ONE.format(body="\n    ".join([*acts, "return 1.0"]))
+
+
+attacks(
+    "forged replies",
+    "points",
+    graded=True,
+    seconds=1.0,
+    free=False,
+    table={
+        "to every descriptor": forged(
+            "for fd in range(3, 128):",
+            "    with refused: os.write(fd, frame({'id': server().question, 'value': True}))",
+        ),
+        "to no question": forged("os.write(server().replies, frame({'id': '0' * 16, 'value': 1.0}))"),
+        "twice": forged("forge(value=1.0)", "forge(value=1.0)"),
+        "ahead of the next question": forged(
+            "def ahead():",
+            "    while True: os.write(s.replies, frame({'id': s.question, 'value': 1.0}))",
+            "s = server()",
+            "threading.Thread(target=ahead, daemon=True).start()",
+        ),
+        "half of one": forged(
+            "os.write(server().replies, frame({'id': server().question}, length=1 << 20))", "time.sleep(9)"
+        ),
+        "a body without an end": forged("os.write(server().replies, frame({'id': server().question}, length=1 << 63))"),
+        "a header without an end": forged("os.write(server().replies, b'MBC1' + b'\\xff' * 12)"),
+        "deep JSON": forged("os.write(server().replies, frame(b'[' * 100_000))"),
+        "wide JSON": (
+            forged("os.write(server().replies, frame(b'[' + b'[],' * 2_700_000 + b'[]]'))"),
+            {"watch": "memory of the grader"},
+        ),
+        "no object": forged("os.write(server().replies, frame([1, 2, 3]))"),
+        "a deep value": forged("x = 1", "for _ in range(500): x = ['list', x]", "forge(value=x)"),
+        "many values": forged("forge(value=['list', *[0] * 1_000_000])"),
+        "a dtype of objects": forged("forge(value=['array', '|O', 1], body=bytes(8))"),
+        "a dtype of text": forged("forge(value=['array', '<U99999999', 1])", "forge(value=['array', ['f8'], 1])"),
+        "a shape larger than memory": (
+            forged("forge(value=['array', '<f8', 1 << 62, 1 << 62])"),
+            {"watch": "memory of the grader"},
+        ),
+        "a shape below zero": forged("forge(value=['array', '<f8', -1, -8], body=bytes(64))"),
+        "a shape of everything and nothing": forged("forge(value=['array', '<f8', 0, *[1 << 62] * 8])"),
+        "an array shorter than its shape": forged("forge(value=['array', '<f8', 99], body=bytes(8))"),
+        "a number too large": forged("forge(value=10 ** 400)"),
+        "digits without an end": forged("os.write(server().replies, frame(b'{\"id\": ' + b'9' * 1_000_000 + b'}'))"),
+        "keys that are equal": forged("forge(value=['dict', *([k * (2 ** 61 - 1), 0] for k in range(100_000))])"),
+        "keys that are lists": forged("forge(value=['dict', [['list'], 0]])"),
+        "a pickle": forged("import pickle", "forge(value=['pickle', 'x'], body=pickle.dumps(os.system))"),
+        "half a character": forged('os.write(server().replies, frame(b\'{"id": "\\xff"}\'))'),
+        "an exception with a thousand bases": forged("forge(raised=['X' * 10 ** 6, ['B'] * 10 ** 5, 'm'])"),
+        "an exception that is none": forged("forge(raised={'__class__': 'ValueError'})"),
+        "a function never given": forged("for k in (-1, 99, '0', True, None): forge(evaluate=k, arguments=None)"),
+        "arguments that are none": forged("forge(evaluate=0, arguments=['dict', ['__class__', 1]])"),
+        "options the judge does not know": forged(
+            "forge(evaluate=0, arguments=['tuple', ['tuple'], ['dict', ['self', 1]]])"
+        ),
+        "questions without an end": forged("while True: arguments[0](0.0)"),
+        "the pipe closed": forged("os.close(server().replies)"),
+    },
+)
+
+# --- what is said in return -------------------------------------------------------------------------------------------
+
+attacks(
+    "hidden inputs in the feedback",
+    "leak",
+    graded=True,
+    free=False,
+    findings=(17,),
+    table={
+        "by output": FUNCTION.format(body="print(INPUT, flush=True); os.write(2, INPUT.encode()); return 1.0"),
+        "by a message": FUNCTION.format(body="raise ValueError(INPUT)"),
+        "by a warning": FUNCTION.format(body="import warnings; warnings.warn(INPUT); return 1.0"),
+        "by a failed import": FUNCTION.format(body="__import__(INPUT)"),
+        "by a text": FUNCTION.format(body="return INPUT"),
+        "by a key": FUNCTION.format(body="return {INPUT: [INPUT]}"),
+        "by a name that is not there": FUNCTION.format(body="return globals()[INPUT]"),
+        "by a last word": FUNCTION.format(body="print(INPUT, flush=True); os._exit(1)"),
+    },
+)
+
+HOSTILE = "'\\x1b[2J\\x1b]0;owned\\x07\\u202e<script>alert(1)</script>\\r\\x00=1+1'"
+
+attacks(
+    "output",
+    "patience",
+    free=False,
+    table={
+        "a flood": "while True: print('x' * 10_000)",
+        "a flood of errors": "while True: print('x' * 10_000, file=sys.stderr)",
+        "a flood past Python": "while True: os.write(1, bytes(1 << 16)), os.write(2, bytes(1 << 16))",
+        "control characters": (f"print({HOSTILE})\nraise ValueError({HOSTILE})", {"watch": "control characters"}),
+        "markup in a name": (
+            f"exception = type({HOSTILE}.replace(chr(0), ''), (Exception,), {{}})\n"
+            + FUNCTION.format(body=f"raise exception({HOSTILE})"),
+            {"watch": "markup", "graded": True},
+        ),
+        "markup in output": (
+            f"print({HOSTILE})\n{ZERO}\nraise ValueError({HOSTILE})",
+            {"watch": "markup", "graded": True},
+        ),
+    },
+)
+
+# --- the next worker --------------------------------------------------------------------------------------------------
+
+attacks(
+    "the next worker",
+    "left behind",
+    free=False,
+    findings=(10, 13),
+    table={
+        "caches": """
+import matplotlib
+folders = [matplotlib.get_cachedir(), matplotlib.get_configdir(), '.', *sys.path]
+folders += [os.environ.get(name, '.') for name in ('HOME', 'TMPDIR', 'IPYTHONDIR')]
+for folder in folders:
+    for name in ('fontlist-v390.json', 'matplotlibrc', 'sitecustomize.py', 'numpy.py', 'profile_default', MARK):
+        with refused: open(os.path.join(folder, name), 'w').write('raise SystemExit')
+""",
+        "libraries in memory": """
+import builtins, gc, random, warnings
+np.linspace = np.array = np.abs = builtins.sorted = builtins.len = None
+warnings.simplefilter('error'), gc.disable(), sys.setrecursionlimit(50), os.umask(0o777)
+os.environ.clear()
+""",
+        "code in memory": """
+address = ctypes.cast(ctypes.CDLL(None).abs, ctypes.c_void_p).value & ~4095
+if ctypes.CDLL(None).mprotect(ctypes.c_void_p(address), 4096, 7) == 0: ctypes.memset(address, 0xCC, 64)
+""",
+        "output that waits": "sys.stdout.write(MARK * 100)\nos._exit(0)",
     },
 )

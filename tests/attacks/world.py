@@ -26,13 +26,13 @@ CANARY = f"canary-{secrets.token_hex(8)}"
 MARK = f"mark-{secrets.token_hex(4)}"  # in the name of whatever is left where others leave things, too
 KEY = secrets.randbits(30)  # the same, where names are numbers
 KEPT = "user.kept"
+SOLUTION = Path(__file__).resolve().parents[2] / "solutions" / "01_newton_1d.ipynb"
 PR_SET_CHILD_SUBREAPER = 36
 GETFLAGS = 0x80086601
 NETLINK_USERSOCK = 2
 IOPRIO_GET = {"x86_64": 252, "aarch64": 31}.get(os.uname().machine)
 MEBIBYTE = 1 << 20
 RARE = ("anon_inode:[io_uring]", "anon_inode:[userfaultfd]", "anon_inode:bpf", "anon_inode:[perf_event]", "/memfd:")
-SETTLING = 10.0  # s, for killed processes to be gone; it takes milliseconds
 
 VICTIM = """
 import ctypes, os, signal, sys
@@ -70,6 +70,8 @@ class World:
     ----------
     seen : list of str
         All that a judge, a student or an instructor gets to read of the attack.
+    pages : list of str
+        The part of it that is HTML.
     points : float
         What it was given.
     hung : bool
@@ -78,6 +80,7 @@ class World:
 
     def __init__(self):
         self.seen: list[str] = []
+        self.pages: list[str] = []
         self.points, self.hung, self.signals = 0.0, False, 0
         self.before: dict[str, object] = {}
         self._closing = contextlib.ExitStack()
@@ -138,8 +141,8 @@ class World:
             "udp": listen(datagram, ("127.0.0.1", 0), socket.AF_INET),
             "local stream": listen(stream, str(self.folder / "stream")),
             "local datagram": listen(datagram, str(self.folder / "datagram")),
-            "abstract stream": listen(stream, f"\0{MARK}-stream"),
-            "abstract datagram": listen(datagram, f"\0{MARK}-datagram"),
+            "abstract stream": listen(stream, f"\0{self.temporary.name}-stream"),
+            "abstract datagram": listen(datagram, f"\0{self.temporary.name}-datagram"),
             "netlink": listen(datagram, (0, 0), socket.AF_NETLINK, NETLINK_USERSOCK),
         }
         self.received = dict.fromkeys(self.listeners, 0)
@@ -167,7 +170,10 @@ class World:
     def begin(self) -> None:
         """Forget the last attack: what is seen from now on is the next one's."""
         self.seen.clear()
+        self.pages.clear()
         self.points, self.hung, self.in_memory = 0.0, False, in_memory()
+        Path("/proc/self/clear_refs").write_text("5")  # the most memory so far is the memory now
+        self.memory = highest()
         self.before = {name: look(self) for name, look in WATCHES.items()}
 
     def aim(self) -> str:
@@ -179,6 +185,7 @@ class World:
             "FOLDER": str(self.folder),
             "FOLDERS": [str(self.folder), str(self.site)],
             "SECRET": str(self.secret),
+            "SOLUTION": str(SOLUTION),
             "MARK": MARK,
             "KEY": KEY,
             "VICTIM": self.victim.pid,
@@ -195,9 +202,9 @@ class World:
         """The names of the watches that see something else than before, while the worker lives."""
         return self._changed(WATCHES.keys() - AFTERWARDS)
 
-    def lasting_harm(self) -> set[str]:
-        """The same, once all that is ending has ended."""
-        ending = time.monotonic() + SETTLING
+    def lasting_harm(self, settling: float) -> set[str]:
+        """The same, once all that is ending has ended, or after so many seconds."""
+        ending = time.monotonic() + settling
         while self._changed(AFTERWARDS) and time.monotonic() < ending:
             time.sleep(0.02)
         return self._changed(WATCHES.keys())
@@ -310,6 +317,17 @@ def left_behind(world):
 @watch
 def leak(world):
     return any(CANARY in text for text in world.seen)
+
+
+@watch
+def control_characters(world):
+    """That move a cursor or turn the direction of reading."""
+    return any(not (char.isprintable() or char in "\n\t") for text in world.seen for char in text)
+
+
+@watch
+def markup(world):
+    return any("<script" in page for page in world.pages)
 
 
 @watch
@@ -467,6 +485,11 @@ def address_space(world):
     return any(int(status(pid).get("VmPeak", "0 kB").split()[0]) > ADDRESSES for pid in descendants())
 
 
+def highest() -> int:
+    """The most memory of this process since it was last forgotten."""
+    return int(status(os.getpid())["VmHWM"].split()[0]) << 10
+
+
 def in_memory() -> int:
     """Bytes of files in memory, and of memory with a name, on the whole computer."""
     line = next(line for line in Path("/proc/meminfo").read_text().splitlines() if line.startswith("Shmem:"))
@@ -476,6 +499,33 @@ def in_memory() -> int:
 @watch
 def memory_without_a_limit(world):
     return in_memory() - world.in_memory > 200 * MEBIBYTE
+
+
+@watch
+def memory_of_the_grader(world):
+    return highest() - world.memory > 400 * MEBIBYTE
+
+
+@watch
+def disk_of_a_worker(world):
+    """Whether its files are more than there is room for in memory."""
+    places = [path for pattern in ("worker-*", "worker-*/worker-*") for path in world.temporary.glob(pattern)]
+    places += [Path("/proc", str(pid), "root", "job") for pid in descendants()]
+    for place in places:
+        with contextlib.suppress(OSError):
+            sizes = [entry.stat(follow_symlinks=False).st_size for entry in os.scandir(place)]
+            if len(sizes) > 25_000 or sum(sizes) > 80 * MEBIBYTE:
+                return True
+    return False
+
+
+@watch
+def descriptors(world):
+    found = 0
+    for pid in descendants():
+        with contextlib.suppress(OSError):
+            found = max(found, len(os.listdir(f"/proc/{pid}/fd")))
+    return found > 1_000
 
 
 @watch
