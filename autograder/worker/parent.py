@@ -68,7 +68,7 @@ def warm():
     figure.savefig(io.BytesIO(), format="png")
     plt.close("all")
     notebook = shell.notebook()
-    notebook.run("1 / 0")
+    notebook.shell.run_cell("1 / 0", store_history=False)
     return notebook
 
 
