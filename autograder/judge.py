@@ -227,11 +227,11 @@ class Graded:
         return sum(a.max for a in self.assessments)
 
 
-def ungraded(name: str, exercise: Exercise | None, why: str, isolation: str) -> Graded:
+def ungraded(name: str, exercise: Exercise | None, why: str, isolation: str, notes: Sequence[str] = ()) -> Graded:
     """A submission of which nothing can be graded, and why."""
     tasks = tuple(_missing(task, why) for task in exercise.tasks) if exercise else ()
     stray = Assessment("", name, 0.0, 0.0, MISSING, (), "", why=why)
-    return Graded(name, tasks or (stray,), (why,), "", isolation)
+    return Graded(name, tasks or (stray,), (why, *notes), "", isolation)
 
 
 def grade(
@@ -241,6 +241,7 @@ def grade(
     salt: str,
     student: str,
     public: bool = False,
+    notes: Sequence[str] = (),
     known: Mapping[str, Assessment] = MappingProxyType({}),
     keep: Callable[[Assessment], None] = lambda assessment: None,
 ) -> Graded:
@@ -256,6 +257,8 @@ def grade(
         What the cases are drawn from.
     public : bool
         Whether the student may see what was tried.
+    notes : sequence of str
+        What was odd before a cell ran.
     known : mapping of str to Assessment
         Tasks that were judged before a run was broken off; they are not judged again.
     keep : callable
@@ -273,7 +276,8 @@ def grade(
                 judged = assess(task, session.caller(), task.draw(salt, student), public)
                 keep(assessment := _explain(judged, session))
             assessments.append(assessment)
-        return Graded(exercise.name, tuple(assessments), tuple(session.notes), session.output, sandbox.level)
+        said = (*notes, *session.notes)
+        return Graded(exercise.name, tuple(assessments), said, session.output, sandbox.level)
 
 
 def _explain(assessment: Assessment, session: "Session") -> Assessment:
