@@ -1,5 +1,6 @@
 """A file nobody has vetted gives cells, or one sentence; never anything else, and never late."""
 
+import io
 import json
 import os
 import stat
@@ -40,13 +41,51 @@ def test_any_bytes_give_cells_or_one_sentence(content):
 
 
 @given(st.lists(st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"))))
-def test_the_text_of_every_code_cell_comes_back(cells):
-    assert list(parse(notebook(*cells)).cells) == cells
+def test_the_text_of_every_code_cell_comes_back_with_line_ends_as_python_reads_them(cells):
+    assert list(parse(notebook(*cells)).cells) == [io.StringIO(cell, newline=None).read() for cell in cells]
 
 
 def test_lines_byte_order_mark_and_missing_metadata_are_no_obstacle():
     plain = {"cells": [{"cell_type": "code", "source": ["x = 1\n", "y = 2"]}, {"cell_type": "markdown", "source": 3}]}
     assert parse(b"\xef\xbb\xbf" + json.dumps(plain).encode()).cells == ("x = 1\ny = 2",)
+
+
+SOUND = json.loads(notebook("x = 1\ny = 2", "z = 3"))
+FORMAT_3 = {
+    "nbformat": 3,
+    "metadata": {"name": ""},
+    "worksheets": [
+        {"cells": [{"cell_type": "code", "input": ["x = 1\n", "y = 2"]}, {"cell_type": "heading", "source": "h"}]},
+        {"cells": [{"cell_type": "code", "input": "z = 3"}, {"cell_type": "markdown", "source": "m"}]},
+    ],
+}
+COLAB = {"colab": {"provenance": []}, "widgets": {"application/vnd.jupyter.widget-state+json": {"a": {"state": {}}}}}
+
+
+def changed(**cell):
+    return {**SOUND, "cells": [{**c, **cell} for c in SOUND["cells"]]}
+
+
+@pytest.mark.parametrize(
+    ("content", "note"),
+    [
+        (json.dumps(SOUND).encode(), None),
+        (b"\xef\xbb\xbf" + json.dumps(SOUND).encode(), "byte order mark"),
+        (json.dumps(SOUND, indent=1).replace("\n", "\r\n").encode(), None),
+        (json.dumps(SOUND).replace("\\n", "\\r\\n").encode(), "Windows line ends"),
+        (json.dumps(FORMAT_3).encode(), "old format 3"),
+        (json.dumps({"cells": SOUND["cells"]}).encode(), None),
+        (json.dumps({**SOUND, "metadata": None, "nbformat": "4"}).encode(), None),
+        (json.dumps({**changed(metadata={"id": "x", "colab": {"height": 4}}), "metadata": COLAB}).encode(), None),
+        (json.dumps(changed(metadata={"vscode": {"languageId": "python"}}, execution_count="7")).encode(), None),
+        (json.dumps(changed(id=7, outputs=None)).encode(), None),
+    ],
+    ids=["sound", "BOM", "lines of the file", "lines of a cell", "3", "bare", "torn", "Colab", "VS Code", "odd ids"],
+)
+def test_the_cells_of_a_notebook_from_anywhere_are_read_and_what_is_odd_is_said(content, note):
+    found = parse(content)
+    assert found.cells == ("x = 1\ny = 2", "z = 3")
+    assert [note in said for said in found.notes] == ([True] if note else [])
 
 
 def test_the_exercise_is_read_from_the_metadata_if_it_is_there():
@@ -60,6 +99,8 @@ def test_the_exercise_is_read_from_the_metadata_if_it_is_there():
         (b"", "the file is empty"),
         (b"\n \n", "the file is empty"),
         (b"{", "not JSON"),
+        (notebook("x").replace(b"}]", b"},]"), "not JSON"),
+        (notebook("x").replace(b'"source"', b"'source'"), "not JSON"),
         ("café".encode("latin-1"), "not UTF-8 text (byte 3)"),
         (b"[" * 100_000, "nested too deeply"),
         (b'{"cells": ' + b"9" * 10_000 + b"}", "no list of cells"),
@@ -114,9 +155,41 @@ def zipped(tmp_path, *entries):
     return archive
 
 
-def test_an_archive_is_unpacked_as_it_was_packed(tmp_path):
-    unzip(zipped(tmp_path, ("zoé/01_newton_1d.ipynb", b"{}", 0o644)), tmp_path / "out")
-    assert (tmp_path / "out/zoé/01_newton_1d.ipynb").read_bytes() == b"{}"
+@pytest.mark.parametrize("name", ["zoé/01_newton_1d.ipynb", "zo\u0065\u0301/01_newton_1d.ipynb", "a b/c/Größe.ipynb"])
+def test_an_archive_is_unpacked_as_it_was_packed(tmp_path, name):
+    unzip(zipped(tmp_path, (name, b"{}", 0o644)), tmp_path / "out")
+    assert (tmp_path / "out" / name).read_bytes() == b"{}"
+
+
+class Plain(zipfile.ZipInfo):
+    """An entry whose name is packed as these bytes, and says nothing of an encoding."""
+
+    def _encodeFilenameFlags(self):
+        return self.filename.encode("cp437"), self.flag_bits
+
+
+@pytest.mark.parametrize(
+    ("packed", "name"),
+    [
+        (b"zo\xc3\xa9\\x.ipynb", "zoé/x.ipynb"),
+        (b"zo\x82/x.ipynb", "zoé/x.ipynb"),
+        (b"a\\b\\x.ipynb", "a/b/x.ipynb"),
+    ],
+    ids=["UTF-8 unsaid", "code page 437", "backslashes"],
+)
+def test_names_from_windows_and_macos_are_understood(tmp_path, packed, name):
+    with zipfile.ZipFile(tmp_path / "cohort.zip", "w") as file:
+        file.writestr(Plain(packed.decode("cp437")), b"{}")
+    unzip(tmp_path / "cohort.zip", tmp_path / "out")
+    assert [p.relative_to(tmp_path / "out").as_posix() for p in (tmp_path / "out").rglob("*.ipynb")] == [name]
+
+
+def test_a_folder_without_files_is_unpacked_and_litter_is_not(tmp_path):
+    litter = ["__MACOSX/a/._x.ipynb", "a/.DS_Store", "a/.ipynb_checkpoints/x-checkpoint.ipynb"]
+    entries = [("a/x.ipynb", b"", 0), ("b/", b"", 0), *((name, b"", 0) for name in litter)]
+    unzip(zipped(tmp_path, *entries), tmp_path / "out")
+    out = tmp_path / "out"
+    assert sorted(path.relative_to(out).as_posix() for path in out.rglob("*")) == ["a", "a/x.ipynb", "b"]
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,8 @@ from IPython.core.error import UsageError
 from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
+from .gaps import is_gap
+
 PACKAGE_MAGICS = set("pip conda mamba micromamba uv".split())
 SYSTEM_MAGICS = set("system sx sc ! !! script bash sh cmd perl ruby python python2 python3 pypy".split())
 # By the module of the standard library that was at work when a cell was refused something.
@@ -72,15 +74,6 @@ def _no_input(prompt="", /):
     raise RuntimeError("input() waits for somebody to type, and nobody does here: write the value into the cell")
 
 
-def _is_gap(function: ast.FunctionDef) -> bool:
-    """Whether a definition is as it was handed out: a docstring at most, then NotImplementedError."""
-    body = function.body[1:] if ast.get_docstring(function, clean=False) is not None else function.body
-    match body:
-        case [ast.Raise(exc=ast.Name(id="NotImplementedError") | ast.Call(func=ast.Name(id="NotImplementedError")))]:
-            return True
-    return False
-
-
 def _unreliable(error: BaseException | None) -> str | None:
     """What an error of the system comes from that a cell may rely on in Jupyter, but not here."""
     while isinstance(error, OSError):
@@ -108,7 +101,7 @@ class Notebook:
     def run(self, source: str) -> tuple[BaseException | None, str | None]:
         """Run one cell: the exception that ended it, and a note for the reader of a report."""
         definitions = self._definitions(source)
-        gaps = [d.name for d in definitions if isinstance(d, ast.FunctionDef) and _is_gap(d)]
+        gaps = [d.name for d in definitions if is_gap(d)]
         if gaps and len(gaps) == len(definitions) and all(self._really_defined(name) for name in gaps):
             return None, f"an untouched copy of the cell for {', '.join(gaps)} was passed over"
         before = {name: self.namespace.get(name) for name in gaps}
