@@ -46,7 +46,7 @@ def check(
 
     exercise, notebook = identify(file)
     with Sandbox(isolation.choose(level, others=False)) as sandbox:
-        graded = judge.grade(exercise, notebook.cells, sandbox, PUBLIC_SALT, "", public=True)
+        graded = judge.grade(exercise, notebook.cells, sandbox, PUBLIC_SALT, "", True, notebook.notes)
     if as_json:
         print(json.dumps(_as_dict(graded), indent=2))
     else:

@@ -18,7 +18,7 @@ from autograder.journal import Journal
 from autograder.judge import Assessment, Graded
 from autograder.publish import publish
 from autograder.sandbox import Sandbox
-from autograder.submissions import Submission, contents, find, unpacked
+from autograder.submissions import Contents, Submission, contents, find, unpacked
 
 Keep = Callable[[Assessment], None]
 
@@ -79,7 +79,7 @@ def grade_cohort(
 
                     def start(s: Submission) -> Future:
                         keep = partial(journal.keep, *keys[s])
-                        return submit(*contents(s), salt, s.student, level, journal.judged(*keys[s]), keep=keep)
+                        return submit(contents(s), salt, s.student, level, journal.judged(*keys[s]), keep=keep)
 
                     for s, graded in _as_they_come(start, waiting, at_once):
                         journal.put(*keys[s], graded)
@@ -145,18 +145,18 @@ def _threads(level: str, jobs: int) -> Iterator[Callable[..., Future]]:
 
 def _grade(
     sandbox_at: Callable[[str], Sandbox],
-    name: str,
-    cells: tuple[str, ...],
-    refused: str,
+    handed_in: Contents,
     salt: str,
     student: str,
     level: str,
     known: dict[str, Assessment],
     keep: Keep = lambda assessment: None,
 ) -> Graded:
-    if refused:
-        return judge.ungraded(name, EXERCISES.get(name), refused, level)
-    return judge.grade(EXERCISES[name], cells, sandbox_at(level), salt, student, known=known, keep=keep)
+    name, notes = handed_in.exercise, handed_in.notes
+    if handed_in.refused:
+        return judge.ungraded(name, EXERCISES.get(name), handed_in.refused, level, notes)
+    sandbox = sandbox_at(level)
+    return judge.grade(EXERCISES[name], handed_in.cells, sandbox, salt, student, notes=notes, known=known, keep=keep)
 
 
 @cache
@@ -172,7 +172,8 @@ def _digest(submission: Submission, salt: str, level: str) -> str:
         content = read(submission.path)
     except Refused as why:
         content = str(why).encode()
-    return hashlib.sha256(b"\0".join((content, salt.encode(), level.encode(), _grader()))).hexdigest()
+    notes = "\n".join(submission.notes).encode()  # they tell of its neighbours
+    return hashlib.sha256(b"\0".join((content, notes, salt.encode(), level.encode(), _grader()))).hexdigest()
 
 
 @cache
