@@ -13,11 +13,11 @@ from functools import cached_property
 from autograder.worker.gaps import is_gap
 
 PYTHON_MAGICS = ("%%time", "%%timeit", "%%capture", "%%prun")
-NOT_PYTHON = re.compile(r"^([ \t]*)(?:[%!?].*|[\w., ]+=\s*[%!].*|[^#'\"\n]*\?[ \t]*)$", re.MULTILINE)
-UNSEEN = re.compile(r"import \*|^\s*%(?:pylab|run|load)\b", re.MULTILINE)  # names that no look at the cell tells
-COLAB = re.compile(r"^\s*(?:from|import)\s+google\.colab\b", re.MULTILINE)
+UNSEEN = re.compile(r"import \*|^[ \t]*%(?:pylab|run|load)\b", re.MULTILINE)  # names that no look at the cell tells
+COLAB = re.compile(r"^[ \t]*(?:from|import)[ \t]+google\.colab\b", re.MULTILINE)
 THERE = {*dir(builtins), "In", "Out", "display", "get_ipython", "exit", "quit"}
 ALIKE = 0.8
+MOST = 100_000  # characters; what takes longer to look at than to grade is nobody's answer
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Cell:
         plain = self.source
         if magic.startswith("%%"):
             plain = f"pass\n{below}" if magic.split()[0] in PYTHON_MAGICS else ""
-        for text in (plain, NOT_PYTHON.sub(r"\1pass", plain)):
+        for text in (plain, "\n".join(map(_without_magic, plain.split("\n")))):
             try:
                 with warnings.catch_warnings(action="ignore"):
                     ast.parse(text)
@@ -88,6 +88,14 @@ class Cell:
         return any(isinstance(node, ast.FunctionDef) and node.name == name for node in ast.walk(self.tree))
 
 
+def _without_magic(line: str) -> str:
+    """A line of Python, or a line of as little as possible in place of one that only IPython reads."""
+    code = line.strip()
+    asks = code.endswith("?") and not set(code) & set("#'\"")
+    magic = code.startswith(("%", "!", "?")) or code.partition("=")[2].lstrip().startswith(("%", "!"))
+    return f"{line[: len(line) - len(line.lstrip())]}pass" if asks or magic else line
+
+
 def _statements(body: Sequence[ast.stmt]) -> Iterator[ast.stmt]:
     """All statements that run when the cell runs, those of its ifs, loops and withs included."""
     for statement in body:
@@ -116,6 +124,8 @@ def look(cells: Sequence[str], texts: Sequence[Text], functions: Sequence[str]) 
     tuple of str
         Sentences without a capital and a full stop.
     """
+    if sum(map(len, cells)) > MOST:
+        return (f"the notebook holds more than {MOST} characters of code, and was not looked at for oddities",)
     read = [Cell(number, source) for number, source in enumerate(cells, 1)]
     found = [note for name in dict.fromkeys(functions) for note in _of_function(name, read, texts, functions)]
     found += _out_of_order(read)
@@ -164,18 +174,23 @@ def _plain(name: str) -> str:
 def _out_of_order(read: list[Cell]) -> Iterator[str]:
     """A cell that uses what only a later one gives it."""
     known = set(THERE)
-    for i, cell in enumerate(read):
+    givers: dict[str, list[int]] = {}
+    for cell in read:
+        for name in cell.names[0]:
+            givers.setdefault(name, []).append(cell.number)
+    for cell in read:
         if UNSEEN.search(cell.source):
             return
         bound, used = cell.names
-        early = {name for name in used - known if not name.startswith("_")}
-        for later in read[i + 1 :]:
-            if names := sorted(early & later.names[0]):
-                yield (
-                    f"code cell {cell.number} uses {_list(names)}, which only code cell {later.number} defines: "
-                    "cells run from top to bottom"
-                )
-                early -= later.names[0]
+        late: dict[int, list[str]] = {}
+        for name in sorted(used & givers.keys() - known):
+            if not name.startswith("_"):
+                late.setdefault(givers[name][0], []).append(name)
+        for number, names in sorted(late.items()):
+            yield (
+                f"code cell {cell.number} uses {_list(names)}, which only code cell {number} defines: "
+                "cells run from top to bottom"
+            )
         known |= bound
 
 

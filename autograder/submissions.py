@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import tempfile
 import unicodedata
 from collections import Counter
@@ -218,13 +219,29 @@ def _first(student: str, exercise: str, group: list[tuple[Path, str]]) -> Submis
 
 @contextmanager
 def unpacked(path: Path):
-    """The folder of submissions, unpacked first if it is a zip file."""
+    """The folder of submissions, unpacked first if it is a zip file, and with it the students' own in it."""
     if path.suffix.lower() != ".zip":
         yield path
         return
-    with tempfile.TemporaryDirectory() as folder:
-        unzip(path, Path(folder))
-        yield Path(folder)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        unzip(path, folder)
+        for archive in [path for path in folder.rglob("*") if path.suffix.lower() == ".zip" and path.is_file()]:
+            _unpack_beside(archive)
+        yield folder
+
+
+def _unpack_beside(archive: Path) -> None:
+    """An archive becomes a folder of its name; one that cannot be unpacked stays, to be spoken of."""
+    target = archive.with_suffix("")
+    if target.exists():
+        return
+    try:
+        unzip(archive, target)
+    except Refused:
+        shutil.rmtree(target, ignore_errors=True)
+    else:
+        archive.unlink()
 
 
 def contents(submission: Submission) -> Contents:

@@ -4,15 +4,18 @@ import html
 import json
 import os
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from judging import answering
+from typer.testing import CliRunner
 
 from autograder import submissions
 from autograder.checks import EXERCISES
+from autograder.cli import app
 from autograder.cohort import grade_cohort
 from autograder.ingest import Refused
 from autograder.isolation import survey
@@ -60,7 +63,9 @@ F = "def f(x):\n    return x\n"
         (["%pylab inline\nx = pi", "pi = 3", F], []),
         (["print(_, display, In)", "_ = display = In = 1", F], []),
         ([F, "from google.colab import drive"], ["code cell 2 imports google.colab, which only Colab has"]),
-        (["-" * 100_000 + "1", "(" * 100_000, F], []),
+        (["-" * 40_000 + "1", "(" * 40_000, F], []),
+        ([" " * 30_000 + "x", "\n" * 30_000 + "(", "a " * 15_000 + "(", F], []),
+        (["x = 1\n" * 50_000], ["the notebook holds more than 100000 characters of code, and was not looked at"]),
     ],
 )
 def test_what_is_odd_about_cells_is_said_and_nothing_else(cells, notes):
@@ -228,6 +233,42 @@ def test_whatever_was_handed_in_is_found_and_said(tmp_path, files, expected, pac
     for key, sentences in said.items():
         assert len(sentences) == len(expected[key]), sentences
         assert all(a.startswith(b) for a, b in zip(sentences, expected[key], strict=True)), sentences
+
+
+def test_in_a_zip_of_zips_every_students_own_is_unpacked_and_a_bad_one_is_theirs_alone(tmp_path):
+    for student in ("bo", "zoe"):
+        put(tmp_path / student, {f"{NAME}.ipynb": GOOD})
+        shutil.make_archive(str(tmp_path / "all" / student), "zip", tmp_path / student)
+    put(tmp_path / "all", {"eve.zip": b"no zip", "kim/x.zip": (tmp_path / "all/bo.zip").read_bytes()})
+    with zipfile.ZipFile(tmp_path / "all/max.zip", "w") as archive:
+        archive.writestr("../zoe/02_newton_nd.ipynb", OTHER)
+    with unpacked(Path(shutil.make_archive(str(tmp_path / "cohort"), "zip", tmp_path / "all"))) as here:
+        assert told(find(here)) == {
+            ("bo", NAME): [],
+            ("zoe", NAME): [],
+            ("kim", NAME): [f"the notebook was handed in as x/{NAME}.ipynb"],
+            ("eve.zip", ""): ["eve.zip is an archive: unpack it first"],
+            ("max.zip", ""): ["max.zip is an archive: unpack it first"],
+        }
+
+
+def test_nothing_is_written_where_the_submissions_lie(tmp_path):
+    folder = tmp_path / "in"
+    put(folder, {f"zoe/{NAME}.ipynb": GOOD, "zoe/work.zip": b"PK", "bo/x.ipynb": BROKEN})
+    every = [folder, *sorted(folder.rglob("*"))]
+    before = [(path, path.stat().st_mtime_ns) for path in every]
+    for path in reversed(every):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    grade_cohort(folder, tmp_path / "out", "none", PUBLIC_SALT)
+    assert [(path, path.stat().st_mtime_ns) for path in [folder, *sorted(folder.rglob("*"))]] == before
+    for path in every:  # or nobody could remove them
+        path.chmod(0o755)
+
+
+def test_check_says_what_is_odd(tmp_path):
+    put(tmp_path, {f"{NAME}.ipynb": b"\xef\xbb\xbf" + UNTOUCHED})
+    said = CliRunner().invoke(app, ["check", str(tmp_path / f"{NAME}.ipynb"), "--isolation", "none"]).output
+    assert "Note: the file begins with a byte order mark, which was passed over" in said
 
 
 @pytest.mark.skipif(os.name != "posix", reason="names are text there")
