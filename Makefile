@@ -7,13 +7,14 @@ INSTALLED := .venv/.installed
 # $(call step,name,command): say what begins, and on failure which step it was.
 step = @printf '\n== %s: %s\n' '$@' '$(1)'; $(2) || { printf '\n== %s stopped at: %s\n' '$@' '$(1)' >&2; exit 1; }
 
-.PHONY: help environment course test proofs lock clean system
+.PHONY: help environment course test proofs benchmarks lock clean system
 .NOTPARALLEL:
 
 help:
 	@echo 'make course       install, release the exercises, build the book, grade the sample cohort'
 	@echo 'make test         every test: style, exercises up to date, book, notebooks, pytest'
 	@echo 'make proofs       the long proofs'
+	@echo 'make benchmarks   speed and memory of the grader: side by side with nbgrader, and 300 students'
 	@echo 'make environment  only .venv, from requirements.lock'
 	@echo 'make lock         requirements.lock anew, from pyproject.toml'
 	@echo 'make clean        remove what was built'
@@ -58,6 +59,10 @@ test: environment system
 proofs: environment system
 	@printf '\n== proofs\n'; $(BIN)/pytest -m proof -rP -n auto --dist worksteal tests; code=$$?; \
 	if [ $$code -eq 5 ]; then echo 'no proofs yet'; else exit $$code; fi
+
+benchmarks: environment system
+	$(call step,side by side with nbgrader,$(BIN)/python tests/benchmarks/against_nbgrader.py)
+	$(call step,300 students,$(BIN)/python tests/benchmarks/cohort_of_300.py)
 
 system:
 	@sh .ci/packages
