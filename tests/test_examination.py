@@ -2,23 +2,29 @@
 
 import random
 from dataclasses import replace
+from itertools import combinations
 
 import pytest
 from examination.mutants import mutants
 from examination.report import examined, waived, write
 from examination.solutions import solutions
+from examination.students import STUDENTS, function
 from examination.trial import calling, equivalents, judge
+from judging import judged
 
+from autograder.checks import EXERCISES, task
 from autograder.judge import assess
 
 SOLUTIONS = pytest.mark.parametrize("solution", solutions(), ids=lambda s: s.function)
 ENOUGH = 15  # mutants a task
+WRITTEN = pytest.mark.parametrize("name", STUDENTS)
+DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark.proof)])
 
 
 @SOLUTIONS
 def test_the_solution_in_the_notebook_gets_full_points(solution):
-    for task in solution.tasks:
-        assessment = assess(task, calling(solution.made()), task.draw("salt", "anyone"), public=False)
+    for t in solution.tasks:
+        assessment = assess(t, calling(solution.made()), t.draw("salt", "anyone"), public=False)
         assert assessment.verdict == "right", assessment.diagnosis
 
 
@@ -47,3 +53,51 @@ def test_every_mutant_that_is_not_the_reference_loses_points():
         print(f"{' and '.join(row['tasks'])}: {row['killed']} of {row['mutants']} mutants lose points")
     print(f"{killed} of {killed + len(survivors)} that are not equivalent", *survivors, sep="\n")
     assert killed >= 0.98 * (killed + len(survivors))
+
+
+# --- mistakes as students write them
+
+
+def test_the_students_make_every_mistake_that_the_first_two_exercises_know():
+    known = {t.name: {v.name for v in t.variants} for e in list(EXERCISES.values())[:2] for t in e.tasks if t.variants}
+    assert {name: set(student.mistakes) for name, student in STUDENTS.items()} == known
+
+
+@WRITTEN
+@DRAWS
+def test_no_mistake_is_named_on_a_right_solution(name, draws):
+    right = function(STUDENTS[name].right, task(name).function)
+    for n in range(draws):
+        assessment = judged(name, right, f"right {n}")
+        assert (assessment.verdict, assessment.mistake) == ("right", ""), assessment.diagnosis
+
+
+@WRITTEN
+@DRAWS
+def test_a_mistake_that_a_student_makes_from_its_name_alone_is_named(name, draws):
+    student = STUDENTS[name]
+    for mistake in student.mistakes:
+        wrong = function(student.written(mistake), task(name).function)
+        for n in range(draws if name != "basin_map" else draws // 3):
+            assessment = judged(name, wrong, f"student {n}")
+            assert assessment.mistake.startswith(f"{mistake}. "), f"{mistake}: {assessment.diagnosis}"
+
+
+@WRITTEN
+@pytest.mark.parametrize("draws", [1, pytest.param(20, marks=pytest.mark.proof)])
+def test_of_two_mistakes_at_once_one_is_named_or_none(name, draws):
+    student = STUDENTS[name]
+    for pair in combinations(student.mistakes, 2):
+        if both := student.written(*pair):
+            for n in range(draws):
+                named = judged(name, function(both, task(name).function), f"student {n}").mistake
+                assert named == "" or named.startswith(tuple(f"{mistake}. " for mistake in pair)), f"{pair}: {named}"
+
+
+@SOLUTIONS
+@pytest.mark.proof
+def test_the_solution_in_the_notebook_is_told_no_mistake_whatever_is_drawn(solution):
+    for t in solution.tasks:
+        for n in range(200):
+            assessment = judged(t, solution.made(), f"student {n}", salt=f"salt {n}")
+            assert (assessment.verdict, assessment.mistake) == ("right", ""), assessment.diagnosis

@@ -141,7 +141,7 @@ def solvable(rng: np.random.Generator, scale: float, tol: float, error: str) -> 
 
 
 def newton_cases(rng: np.random.Generator) -> list[Case]:
-    """Four cases on which every way to stop takes another number of iterations."""
+    """Four cases on which every way to stop takes another number of iterations, also with one too many or too few."""
 
     def iterations(function: Callable) -> np.ndarray:
         return np.array([len(function(*case.args)) for case in cases])
@@ -154,8 +154,8 @@ def newton_cases(rng: np.random.Generator) -> list[Case]:
             solvable(rng, scale=-side * 1e-3 * rng.uniform(1, 9), tol=1e-6, error="absolute"),
             solvable(rng, scale=-side * 1e-4 * rng.uniform(1, 9), tol=1e-7, error="relative"),
         ]
-        right = iterations(iterates)
-        ways = [right - 1, right, right + 1, *map(iterations, (on_the_residual, always_absolute, always_relative))]
+        rules = iterates, on_the_residual, always_absolute, always_relative
+        ways = [iterations(rule) + more for rule in rules for more in (-1, 0, 1)]
         if len({tuple(way) for way in ways}) == len(ways):
             return cases
 
@@ -299,8 +299,8 @@ def order_cases(rng: np.random.Generator) -> list[Case]:
         digits = np.round(np.array([8.4, 0, 7.6, 0]) * eps * abs(root) / unit)
         return np.concatenate((root + abs(root) * np.array(errors), root + unit * digits))
 
-    rate, golden, short = rng.uniform(0.2, 0.5), (1 + 5**0.5) / 2, partial(Case, kind="short")
-    down = int(np.log(40 * eps) / np.log(rate))
+    rate, golden, short = rng.uniform(0.2, 0.4), (1 + 5**0.5) / 2, partial(Case, kind="short")
+    down = int(np.log(100 * eps) / np.log(rate))
     quadratic = converging(2, rng.uniform(0.5, 1), rng.uniform(0.12, 0.25), 3, sign, size)
     linear = converging(1, rate, rng.uniform(0.3, 0.5), down, sign, -size)
     secant = converging(golden, rng.uniform(0.5, 1), rng.uniform(0.12, 0.25), 5, -sign, -size)

@@ -13,6 +13,7 @@ from examination.trial import Judged, equivalents, judge
 
 FILE = Path(__file__).parents[2] / "_build" / "examination.json"
 AT_ONCE = 30  # mutants in one job of a process
+TOGETHER = 6  # survivors that share the draws of their inputs
 
 # Why a mutant may keep its points although it is not the reference, by function and by what is in the mutant's name.
 WAIVED: dict[tuple[str, str], str] = {
@@ -52,8 +53,12 @@ def examined(of: Sequence[Solution] = ()) -> list[dict]:
             s: [m for m, result in zip(made[s], results[s], strict=True) if not result.lost and not waived(s, m)]
             for s in of
         }
-        differs = {s: pool.submit(compared, s.tasks[0].name, survivors[s]) for s in of}
-        return [_row(s, made[s], results[s], differs[s].result()) for s in of]
+        comparisons = {
+            s: [pool.submit(compared, s.tasks[0].name, some[i : i + TOGETHER]) for i in range(0, len(some), TOGETHER)]
+            for s, some in survivors.items()
+        }
+        differs = {s: dict(pair for job in each for pair in job.result().items()) for s, each in comparisons.items()}
+        return [_row(s, made[s], results[s], differs[s]) for s in of]
 
 
 def waived(of: Solution, mutant: Mutant) -> str:
