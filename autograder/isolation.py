@@ -4,7 +4,8 @@
     Own user, process, network, mount and message namespaces (bubblewrap), a work folder in memory, Landlock where the
     kernel has it, filtered system calls, limits.
 `landlock`
-    Landlock, filtered system calls, limits: files and network are closed; the disk is not rationed.
+    Landlock, filtered system calls, limits: files and network are closed; the disk is
+    rationed by looking at it, ten times a second.
 `limits`
     Memory, time and file size are limited; the code can read what you can read, and use the network.
 `none`

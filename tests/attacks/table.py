@@ -65,7 +65,7 @@ class Attack:
     of : its class, and the findings of the isolation study that it stands for.
     graded : whether the judge calls its functions, or it is done when its cell is.
     seconds : time limit of the cell, or of each call.
-    levels : where it is held. Below namespaces the disk is not rationed, and nobody says it is.
+    levels : where it is held. Below namespaces the disk is rationed by looking at it: a short burst comes through.
     free : whether it does its harm where nothing is confined, to a patient judge and without special rights.
     """
 
