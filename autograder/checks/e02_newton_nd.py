@@ -345,10 +345,12 @@ def cubic(rng: np.random.Generator) -> tuple[Field, Field, np.ndarray]:
     angles = (np.angle(c) + 2 * np.pi * np.arange(3)) / 3
 
     def residual(q):
+        q = np.asarray(q)  # a list is as right as an array
         z = (q[..., 0] + 1j * q[..., 1]) ** 3 - c
         return np.stack((z.real, z.imag), axis=-1)
 
     def jacobian(q):
+        q = np.asarray(q)
         dz = 3 * (q[..., 0] + 1j * q[..., 1]) ** 2
         return np.stack((np.stack((dz.real, -dz.imag), axis=-1), np.stack((dz.imag, dz.real), axis=-1)), axis=-2)
 
