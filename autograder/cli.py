@@ -85,6 +85,7 @@ def grade(
         Path | None,
         typer.Option(help="File that the hidden inputs are drawn from. Left out: drawn once, kept in the journal."),
     ] = None,
+    book: Annotated[str, typer.Option(metavar="URL", help="Where the built book is, for links to its sections.")] = "",
 ) -> None:
     """Grade a folder of submissions. Exit code: 0 all graded, whatever the marks; 2 refused or nothing to grade."""
     from autograder.cohort import grade_cohort
@@ -102,7 +103,7 @@ def grade(
             bar.update(task, completed=done, total=of)
 
         try:
-            results = grade_cohort(folder, to, chosen, seasoning, jobs, scheduler, progress)
+            results = grade_cohort(folder, to, chosen, seasoning, jobs, scheduler, progress, book)
         except KeyboardInterrupt:
             shown.close()
             kept = f"{bar.tasks[0].completed:.0f} of {bar.tasks[0].total or 0:.0f} submissions"

@@ -31,6 +31,7 @@ def grade_cohort(
     jobs: int = 1,
     scheduler: str | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
+    book: str = "",
 ) -> list[tuple[str, Graded]]:
     """Grade a folder of submissions into `out`; what the journal holds already is not graded again.
 
@@ -52,6 +53,8 @@ def grade_cohort(
     scheduler : str, optional
         Address of a Dask scheduler; its workers do the grading, as many at a time as they have threads.
     progress : callable, (done, of) -> None
+    book : str
+        Address of the built book, for links from the feedback to its sections.
 
     Returns
     -------
@@ -85,7 +88,7 @@ def grade_cohort(
                         journal.put(*keys[s], graded)
                         progress(done := done + 1, len(submissions))
             results = ((s.student, journal.get(*keys[s])) for s in submissions)
-            return publish(results, out, isolation.statement(level), journal.submissions())
+            return publish(results, out, isolation.statement(level), journal.submissions(), book)
 
 
 def _as_they_come(

@@ -14,7 +14,7 @@ NO_EXERCISE = "nothing"  # name of the page of a student who handed in no notebo
 
 
 def publish(
-    results: Iterable[tuple[str, Graded]], out: Path, isolation: str, former: set[tuple[str, str]]
+    results: Iterable[tuple[str, Graded]], out: Path, isolation: str, former: set[tuple[str, str]], book: str = ""
 ) -> list[tuple[str, Graded]]:
     """Write the pages, the table of all, and ``grades.csv``; take away the pages of submissions that are no more.
 
@@ -26,6 +26,8 @@ def publish(
         What is said of the isolation level.
     former : set of (student, exercise)
         Whose pages an earlier run may have left.
+    book : str
+        Address of the built book.
 
     Returns
     -------
@@ -42,7 +44,7 @@ def publish(
             write(printed, graded.output)
         else:
             printed.unlink(missing_ok=True)
-        write(page, report.feedback_page(student, title, graded, printed.name, isolation))
+        write(page, report.feedback_page(student, title, graded, printed.name, isolation, book))
         brief.append((student, replace(graded, output="")))
     for student, exercise in former - {(student, graded.exercise) for student, graded in brief}:
         page = page_of(out, student, exercise)

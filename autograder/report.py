@@ -3,6 +3,7 @@
 import base64
 import csv
 import io
+import re
 from collections.abc import Iterable
 from urllib.parse import quote
 
@@ -77,15 +78,36 @@ def card_html(a: Assessment) -> str:
     return str(_templates.get_template("card.html").module.card(a))
 
 
-_templates.filters.update(
-    sentence=sentence, stopped=stopped, convergence_image=convergence_image, convergence_words=convergence_words
-)
+def feedback_page(student: str, title: str, graded: Graded, printed: str, isolation: str, book: str = "") -> str:
+    """The page that a student gets back.
 
-
-def feedback_page(student: str, title: str, graded: Graded, printed: str, isolation: str) -> str:
-    """The page that a student gets back; what the notebook printed is in a file of its own beside it."""
+    Parameters
+    ----------
+    printed : str
+        Name of the file, beside the page, with what the notebook printed.
+    isolation : str
+        What is said of the isolation level.
+    book : str
+        Address of the built book, for links to its sections; without it they are named.
+    """
     page = _templates.get_template("feedback.html")
-    return page.render(student=student, title=title, graded=graded, printed=printed, isolation=isolation)
+    return page.render(student=student, title=title, graded=graded, printed=printed, isolation=isolation, book=book)
+
+
+def section_address(book: str, section: str) -> str:
+    """Where a section is in the built book, from its name as ``chapter: heading``."""
+    chapter, _, heading = section.partition(": ")
+    anchor = re.sub("[^a-z0-9]+", "-", heading.lower()).strip("-")
+    return f"{book.rstrip('/')}/{chapter}.html#{anchor}"
+
+
+_templates.filters.update(
+    sentence=sentence,
+    stopped=stopped,
+    convergence_image=convergence_image,
+    convergence_words=convergence_words,
+    section_address=section_address,
+)
 
 
 def index_page(rows: Iterable[tuple[str, Graded, str]], isolation: str) -> str:

@@ -17,6 +17,8 @@ import numpy as np
 import pytest
 import yaml
 
+from autograder.checks import EXERCISES
+from autograder.report import section_address
 from mechlib.hacksaw import Hacksaw
 
 ROOT = Path(__file__).parents[1]
@@ -225,3 +227,9 @@ def test_a_page_is_run_anew_when_the_code_under_it_changes_and_only_then(tmp_pat
         assert f"answer {answer}" in (tmp_path / "_build" / "html" / "index.html").read_text(encoding="utf8")
     again = subprocess.run(build, cwd=tmp_path, capture_output=True, text=True)
     assert "0 added, 0 changed, 0 removed" in again.stdout  # nothing changed: nothing is read or run
+
+
+@pytest.mark.parametrize("task", [t for e in EXERCISES.values() for t in e.tasks], ids=lambda t: t.name)
+def test_feedback_links_to_a_section_of_the_built_book(task):
+    page, _, anchor = section_address(str(HTML), task.section).partition("#")
+    assert f'id="{anchor}"' in Path(page).read_text("utf-8")

@@ -1,6 +1,7 @@
 """The pages and cards that the grader writes are plain HTML that anybody can read, on any screen."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -131,3 +132,9 @@ def test_the_figure_of_an_iteration_says_its_numbers_to_those_who_do_not_see_it(
     assert f"Yours: {a.convergence[0][0]:.0e}, {a.convergence[0][1]:.0e}" in page
     assert len(page) < 30_000
     assert "<img" not in card_html(judged(task, task.reference, "zoé"))
+
+
+def test_a_page_links_to_the_book_where_its_address_is_known(graded):
+    linked = feedback_page("zoé", EXERCISE.title, graded, "x.txt", SAID, "https://example.org/course/")
+    assert 'href="https://example.org/course/newton-1d.html#follow-the-tangent"' in linked
+    assert "<a" not in feedback_page("zoé", EXERCISE.title, replace(graded, output=""), "x.txt", SAID)
