@@ -161,6 +161,9 @@ def newton(residual, jacobian, seed, tol=1e-10, max_iterations=50):
         "It stops when the residual is small, and not when the step is": (
             ("math.sqrt(sum(d**2)) < tol", "np.linalg.norm(residual(x)) < tol"),
         ),
+        "The largest entry of the step is compared with tol, and not its 2-norm": (
+            ("math.sqrt(sum(d**2)) < tol", "max(abs(d)) < tol"),
+        ),
         "The seed is missing from the history": (("xs = [x]", "xs = []"),),
         "The last iterate is missing from the history": (
             ("        xs.append(x)\n", ""),
