@@ -446,13 +446,13 @@ attacks(
         ),
         "userfaultfd": "fault = call('userfaultfd', 1)",
         "keys": (
-            "call('add_key', b'user', MARK.encode(), b'x', 1, -4)",
+            "call('add_key', b'user', MARK.encode(), b'x', 1, -2)",
             {"watch": "keys"},
         ),
         "personality": ("call('personality', 0x0040000)", {"watch": "personality"}),
         "contexts of asynchronous reading": (
             "context = ctypes.c_ulong()\ncall('io_setup', 30_000, ctypes.byref(context))",
-            {"watch": "requests of the kernel"},
+            {"watch": "asynchronous reading"},
         ),
     },
 )
@@ -467,7 +467,8 @@ attacks(
         "an array": ("with refused: a = np.empty(3 << 27)", {"findings": (11,)}),
         "a shared map": "with refused: a = mmap.mmap(-1, 4 << 30)",
         "a file of memory": (
-            "fd = os.memfd_create('m')\nfor _ in range(300): os.write(fd, bytes(1 << 20))",
+            "fd = os.memfd_create('m')\nfor _ in range(300): os.write(fd, bytes(1 << 20))\n"
+            "kept = mmap.mmap(fd, 300 << 20)\nsum(kept[::4096])",
             {"watch": "memory without a limit", "findings": (7,)},
         ),
         "system v": (
@@ -597,7 +598,7 @@ attacks(
             "abort": "os.abort()",
             "a fault": "ctypes.string_at(0)",
             "a stack too deep": "sys.setrecursionlimit(1 << 30); return brackets()",
-            "a stack too deep in C": "a = []\n    for _ in range(10 ** 6): a = [a]\n    return repr(a)",
+            "a stack too deep in C": "a = []\n    for _ in range(10 ** 5): a = [a]\n    return repr(a)",
             "another program": "os.execv('/bin/true', ['true'])",
             "its descriptors": "os.closerange(0, 200)",
             "an interrupt": "raise KeyboardInterrupt",

@@ -11,7 +11,7 @@ from dataclasses import replace
 import pytest
 
 from attacks.papers import ARCHIVES, NOTEBOOKS
-from attacks.table import ATTACKS, BOTH, CALLS, CLASSES, FINDINGS, TOOLS, Attack
+from attacks.table import ATTACKS, BOTH, CALLS, CLASSES, FINDINGS, NAMESPACES, TOOLS, Attack
 from attacks.world import CANARY, SOLUTION, WATCHES, World, sandbox_in
 from autograder import ingest, judge
 from autograder.channel import WorkerLost
@@ -20,7 +20,6 @@ from autograder.isolation import survey
 from autograder.report import card_html, card_text
 
 EXERCISE = EXERCISES["01_newton_1d"]
-LISTED = [(level, attack) for level in BOTH for attack in ATTACKS if level in attack.levels]
 SETTLING = 10.0  # s, for killed processes to be gone; it takes milliseconds
 PATIENCE = 60.0  # s, for a judge on a busy computer; every attack has a limit of a few at most
 SLIPS = ("NameError", "SyntaxError", "AttributeError", "TypeError", "ImportError")  # of an attack's author
@@ -147,7 +146,7 @@ def test_a_watch_sees_a_harmless_act_that_nothing_confines(watch):
                 assert watch in harm(world, place, act_for(watch), patience, settling=0.2)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=BOTH)
 def field(request):
     """A level, its sandbox, what there is to harm, and what an honest neighbour gets."""
     level = survey()[request.param]
@@ -159,11 +158,21 @@ def field(request):
         yield world, place, before
 
 
-@pytest.mark.parametrize(("field", "attack"), LISTED, indirect=["field"], ids=lambda v: getattr(v, "name", v))
+HELD_AT_BOTH = [attack for attack in ATTACKS if attack.levels == BOTH]
+HELD_BY_NAMESPACES = [attack for attack in ATTACKS if attack.levels == NAMESPACES]
+
+
+@pytest.mark.parametrize("attack", HELD_AT_BOTH, ids=lambda attack: attack.name)
 def test_an_attack_does_no_harm(field, attack):
     world, place, before = field
     assert harm(world, place, attack) == set()
     assert graded(place) == before
+
+
+@pytest.mark.parametrize("field", NAMESPACES, indirect=True)
+@pytest.mark.parametrize("attack", HELD_BY_NAMESPACES, ids=lambda attack: attack.name)
+def test_an_attack_on_the_disk_does_no_harm_in_namespaces(field, attack):
+    test_an_attack_does_no_harm(field, attack)
 
 
 @pytest.mark.proof
