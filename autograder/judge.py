@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from autograder.compare import without_own_names
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import MOST_EVALUATIONS, Aspect, Case, Exercise, Task, Trial, Variant, attempt, recorded
 
@@ -104,6 +105,7 @@ def _assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Asse
         args, evaluations = recorded(case)
         gave_up = next((t.outcome for t in trials if isinstance(t.outcome, Lost)), None)
         outcome = gave_up or call(task.function, args, case.kwargs, task.seconds)
+        outcome = outcome if public else without_own_names(outcome)
         if any(len(asked) >= MOST_EVALUATIONS for asked in evaluations):
             outcome = ENDLESS
         if why := _absent(task, outcome):

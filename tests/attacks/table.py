@@ -779,6 +779,9 @@ attacks(
         "by a text": FUNCTION.format(body="return INPUT"),
         "by a key": FUNCTION.format(body="return {INPUT: [INPUT]}"),
         "by a name that is not there": FUNCTION.format(body="return globals()[INPUT]"),
+        "by the name of an exception": FUNCTION.format(body="raise type(INPUT, (Exception,), {})"),
+        "by the name of a class": FUNCTION.format(body="return type(INPUT, (), {})()"),
+        "by the name of a field": FUNCTION.format(body="return np.zeros(1, [(INPUT, float)])"),
         "by a last word": FUNCTION.format(body="print(INPUT, flush=True); os._exit(1)"),
     },
 )
