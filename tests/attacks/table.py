@@ -503,7 +503,9 @@ with contextlib.suppress(RuntimeError, MemoryError):
 """
 DAEMON = """
 import multiprocessing
-multiprocessing.get_context('fork').Process(target=time.sleep, args=(30,)).start()
+linger = lambda: (os.setsid(), os.closerange(0, 200), time.sleep(30))
+multiprocessing.get_context('fork').Process(target=linger).start()
+time.sleep(0.2)
 os._exit(0)
 """
 
