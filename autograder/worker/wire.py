@@ -31,6 +31,9 @@ DTYPES = {
 }
 
 
+to_json = json.JSONEncoder(separators=(",", ":")).encode
+
+
 class WorkerLost(Exception):
     """The worker is gone, and with it everything it held."""
 
@@ -202,7 +205,7 @@ def decode(code: Any, body: bytes, function: Callable[[int], Callable] | None = 
 
 def send(fd: int, header: dict, body: bytes = b"") -> None:
     """Write one frame; ValueError if it is larger than the other end would take."""
-    head = json.dumps(header, separators=(",", ":")).encode()
+    head = to_json(header).encode()
     if len(head) > MAX_HEADER:
         raise ValueError(f"more than {MAX_HEADER >> 20} MiB of text")
     left = memoryview(PREFIX.pack(MAGIC, len(head), len(body)) + head + body)
