@@ -31,6 +31,13 @@ def test_the_reference_gets_full_points_from_every_draw(t):
         assert (assessment.verdict, assessment.points) == ("right", t.points), assessment.diagnosis
 
 
+@pytest.mark.parametrize("t", TASKS, ids=lambda t: t.name)
+def test_no_shape_that_a_submission_chose_comes_back_for_hidden_cases(t):
+    told = {public: str(judged(t, lambda *_: np.zeros((0, 123456789)), "spy", public=public)) for public in (0, 1)}
+    assert "123456789" not in told[False]
+    assert "its shape is another one" in told[False] or "123456789" not in told[True]
+
+
 @pytest.mark.parametrize(("t", "variant"), VARIANTS, ids=lambda x: x.name)
 def test_a_known_mistake_is_named_from_every_draw_and_loses_points(t, variant):
     for student in STUDENTS:
