@@ -206,7 +206,6 @@ def _notebook(made: list[dict], **metadata) -> str:
     return json.dumps({"cells": made, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5})
 
 
-EXERCISES[NAME] = EXERCISE
-
 if __name__ == "__main__":
+    EXERCISES[NAME] = EXERCISE
     main()
