@@ -43,6 +43,9 @@ class Journal:
         path.touch(mode=0o600)  # the salt is nobody else's
         self._lock = threading.Lock()
         self._db = sqlite3.connect(path, timeout=60, isolation_level=None, check_same_thread=False)
+        # a log beside the file: one write a task; no end of the program undoes it, a power cut may undo the last ones
+        self._db.execute("PRAGMA journal_mode = WAL")
+        self._db.execute("PRAGMA synchronous = NORMAL")
         self._db.executescript(SCHEMA)
 
     def __enter__(self) -> "Journal":
@@ -54,7 +57,7 @@ class Journal:
 
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
-        """All of it, or nothing; on disk when it is over."""
+        """All of it, or nothing; safe when it is over, whatever becomes of this program."""
         with self._lock, self._db:
             self._db.execute("BEGIN IMMEDIATE")
             yield self._db
@@ -77,7 +80,7 @@ class Journal:
         return {task: _assessment(json.loads(stored)) for task, stored in found}
 
     def keep(self, student: str, exercise: str, digest: str, assessment: Assessment) -> None:
-        """Keep one task; it is on disk when this returns."""
+        """Keep one task; it is safe when this returns."""
         with self._transaction() as db:
             row = (student, exercise, digest, assessment.task, json.dumps(asdict(assessment)))
             db.execute("INSERT OR REPLACE INTO judged VALUES (?, ?, ?, ?, ?)", row)
