@@ -298,7 +298,7 @@ class _Parent:
         self.control.close()
         self.errors.close()
         if self.folder:
-            _remove(self.folder)
+            _remove_folder(self.folder)
 
 
 class _Forked:
@@ -328,7 +328,7 @@ class _Forked:
         select.select([self.handle], [], [], DYING)
         os.close(self.handle)
         if self.folder:
-            _remove(self.folder)
+            _remove_folder(self.folder)
 
 
 class _Cold:
@@ -357,84 +357,10 @@ class _Cold:
 
     def bury(self) -> None:
         self.process.wait()
-        _remove(self.folder)
+        _remove_folder(self.folder)
 
 
-def _remove(self) -> None:
-    self.control.close()
-    self.errors.close()
-    if self.folder:
-        _remove(self.folder)
-
-
-class _Forked:
-    """A worker that a parent forked, held by a handle that stays true when its number is used again."""
-
-    def __init__(self, handle: int, folder: str | None):
-        self.handle, self.folder = handle, folder
-        with open(f"/proc/self/fdinfo/{handle}") as about:
-            self.number = next(int(line.split()[1]) for line in about if line.startswith("Pid:"))
-
-    def computing_time(self) -> float:
-        try:
-            return time.clock_gettime(~self.number << 3 | SCHEDULED)
-        except OSError:
-            return 0.0  # it has ended, as the channel will see
-
-    def excess(self) -> str | None:
-        return _excess(self.folder) if self.folder else None
-
-    def kill(self) -> None:
-        try:
-            signal.pidfd_send_signal(self.handle, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-
-    def bury(self) -> None:
-        select.select([self.handle], [], [], DYING)
-        os.close(self.handle)
-        if self.folder:
-            _remove(self.folder)
-
-
-class _Cold:
-    """A worker started by itself, and the folder it works in."""
-
-    def __init__(self, process: subprocess.Popen, folder: str, rationed: bool):
-        self.process, self.folder, self.rationed = process, folder, rationed
-
-    def computing_time(self) -> float:
-        try:
-            times = psutil.Process(self.process.pid).cpu_times()
-        except psutil.Error:
-            return 0.0
-        return times.user + times.system
-
-    def excess(self) -> str | None:
-        return _excess(self.folder) if self.rationed else None
-
-    def kill(self) -> None:
-        if hasattr(os, "killpg"):
-            try:
-                os.killpg(self.process.pid, signal.SIGKILL)
-            except (ProcessLookupError, PermissionError):
-                pass
-        self.process.kill()
-
-    def bury(self) -> None:
-        self.process.wait()
-        _remove(self.folder)
-
-
-def _computing_time(process: int) -> float:
-    try:
-        times = psutil.Process(process).cpu_times()
-    except (psutil.Error, ValueError):
-        return 0.0  # it has ended, as the channel will see
-    return times.user + times.system
-
-
-def _remove(folder: str) -> None:
+def _remove_folder(folder: str) -> None:
     """Take a folder away, however deep and however closed what was left in it."""
     with suppress(RecursionError):
         shutil.rmtree(folder, ignore_errors=True)
