@@ -106,7 +106,7 @@ def grade(
             results = grade_cohort(folder, to, chosen, seasoning, jobs, scheduler, progress, book)
         except KeyboardInterrupt:
             shown.close()
-            kept = f"{bar.tasks[0].completed:.0f} of {bar.tasks[0].total or 0:.0f} submissions"
+            kept = f"{bar.tasks[task].completed:.0f} of {bar.tasks[task].total or 0:.0f} submissions"
             err.print(
                 f"Stopped: {kept} are graded and kept in {to}. The same command goes on from there.", markup=False
             )

@@ -7,11 +7,9 @@ import re
 from collections.abc import Iterable
 from urllib.parse import quote
 
-import matplotlib.pyplot as plt
 from jinja2 import Environment, PackageLoader
 
 from autograder.judge import Assessment, Graded, stopped
-from mechlib import draw
 
 WORDS = {
     "right": "right",
@@ -58,6 +56,10 @@ def card_text(a: Assessment) -> str:
 
 def convergence_image(a: Assessment) -> str:
     """Error against iteration of an answer and of a right one, as the address of an image."""
+    import matplotlib.pyplot as plt  # more than half of a command's start, and only a wrong iteration needs it
+
+    from mechlib import draw
+
     answer, right = a.convergence
     with plt.style.context(draw.STYLE | {"figure.figsize": (4.6, 2.6), "svg.fonttype": "none"}):
         figure = draw.convergence({"your iterates": answer, "right ones": right}, "error")
