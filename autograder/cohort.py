@@ -74,7 +74,8 @@ def grade_cohort(
         with Journal(out / "journal.sqlite") as journal:
             salt = salt or journal.salt()
             keys = {s: (s.student, s.exercise, _digest(s, salt, level)) for s in submissions}
-            waiting = [s for s in submissions if not journal.get(*keys[s])]
+            whole = journal.graded()
+            waiting = [s for s in submissions if keys[s] not in whole]
             done = len(submissions) - len(waiting)
             progress(done, len(submissions))
             if waiting:
@@ -88,7 +89,8 @@ def grade_cohort(
                         journal.put(*keys[s], graded)
                         progress(done := done + 1, len(submissions))
             results = ((s.student, journal.get(*keys[s])) for s in submissions)
-            return publish(results, out, isolation.statement(level), journal.submissions(), book)
+            former = {(student, exercise) for student, exercise, _ in whole}
+            return publish(results, out, isolation.statement(level), former, book)
 
 
 def _as_they_come(

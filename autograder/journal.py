@@ -85,14 +85,12 @@ class Journal:
             row = (student, exercise, digest, assessment.task, json.dumps(asdict(assessment)))
             db.execute("INSERT OR REPLACE INTO judged VALUES (?, ?, ?, ?, ?)", row)
 
-    def get(self, student: str, exercise: str, digest: str) -> Graded | None:
-        """The whole result of a submission; None if it is not whole."""
-        found = self._rows(
+    def get(self, student: str, exercise: str, digest: str) -> Graded:
+        """The whole result of a submission; ValueError if there is none."""
+        ((found,),) = self._rows(
             "SELECT graded FROM graded WHERE student = ? AND exercise = ? AND digest = ?", (student, exercise, digest)
         )
-        if not found:
-            return None
-        stored = json.loads(found[0][0])
+        stored = json.loads(found)
         assessments = tuple(_assessment(each) for each in stored["assessments"])
         return Graded(**{**stored, "assessments": assessments, "notes": tuple(stored["notes"])})
 
@@ -103,11 +101,11 @@ class Journal:
             db.execute("INSERT OR REPLACE INTO graded VALUES (?, ?, ?, ?)", row)
             db.execute("DELETE FROM judged WHERE student = ? AND exercise = ? AND digest = ?", row[:3])
 
-    def submissions(self) -> set[tuple[str, str]]:
-        """Student and exercise of every whole result that there ever was."""
-        return set(self._rows("SELECT DISTINCT student, exercise FROM graded", ()))
+    def graded(self) -> set[tuple[str, str, str]]:
+        """Student, exercise and digest of every whole result that there ever was."""
+        return set(self._rows("SELECT student, exercise, digest FROM graded"))
 
-    def _rows(self, question: str, values: tuple) -> list[tuple]:
+    def _rows(self, question: str, values: tuple = ()) -> list[tuple]:
         with self._lock:
             return self._db.execute(question, values).fetchall()
 
