@@ -23,6 +23,11 @@ class Tolerance:
     absolute: float = 0.0
 
 
+# Names that are no submission's own.
+KNOWN = {name for name, kind in vars(builtins).items() if isinstance(kind, type)}
+KNOWN |= {"ConvergenceError", "LinAlgError", "OpenLoopError"}
+SHAPE = re.compile(r"its shape is \([\d, ]*\)")
+
 FACTORS = {
     -1.0: "the sign is turned round",
     180 / np.pi: "degrees where radians are asked for?",
@@ -69,7 +74,7 @@ def difference(expected: Any, got: Any, tolerance: Tolerance) -> str | None:
     if not expected.size and not answer.size:
         return None  # nothing is nothing, in whatever container
     if answer.shape != expected.shape:
-        return f"its shape is {answer.shape}, and not {expected.shape}"
+        return wrong_shape(answer, expected.shape)
     undefined = np.isnan(answer) & ~np.isnan(expected)
     if undefined.any():
         return f"it is not a number at index {_first(undefined)}"
@@ -92,6 +97,27 @@ def difference(expected: Any, got: Any, tolerance: Tolerance) -> str | None:
     return f"it is off by {size}{where}; {tolerance.reason}"
 
 
+def wrong_shape(got: np.ndarray, right: object) -> str:
+    return f"its shape is {got.shape}, and not {right}"
+
+
+def without_own_names(outcome: Outcome) -> Outcome:
+    """An outcome without the names that a submission gave to its classes, for they may hold a hidden input."""
+    match outcome:
+        case Raised(type=name, bases=bases) if name not in KNOWN:
+            known = next((base for base in bases if base in KNOWN), "Exception")
+            return replace(outcome, type=known, bases=(name, *bases))
+        case Value(value=NotData(type=name)) if name not in KNOWN and not re.fullmatch(r"array of [a-z]+\d{0,3}", name):
+            plain = "array of something else" if name.startswith("array of") else "object of another class"
+            return Value(NotData(plain))
+    return outcome
+
+
+def without_own_shape(fault: str) -> str:
+    """A sentence without the shape that a submission gave to its answer, for it may be a hidden input."""
+    return SHAPE.sub("its shape is another one", fault)
+
+
 def numbers(value: Any) -> np.ndarray | str:
     """Data as an array of real numbers, or a sentence that says what it is instead."""
     try:
@@ -108,22 +134,6 @@ def _kind(value: Any) -> str:
         return "None (is a return missing?)"
     name = value.type if isinstance(value, NotData) else type(value).__name__
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
-
-
-KNOWN = {name for name, kind in vars(builtins).items() if isinstance(kind, type)}
-KNOWN |= {"ConvergenceError", "LinAlgError", "OpenLoopError"}
-
-
-def without_own_names(outcome: Outcome) -> Outcome:
-    """An outcome without the names that a submission gave to its classes, for they may hold a hidden input."""
-    match outcome:
-        case Raised(type=name, bases=bases) if name not in KNOWN:
-            known = next((base for base in bases if base in KNOWN), "Exception")
-            return replace(outcome, type=known, bases=(name, *bases))
-        case Value(value=NotData(type=name)) if name not in KNOWN and not re.fullmatch(r"array of [a-z]+\d{0,3}", name):
-            plain = "array of something else" if name.startswith("array of") else "object of another class"
-            return Value(NotData(plain))
-    return outcome
 
 
 def _first(mask: np.ndarray) -> str:

@@ -1,6 +1,5 @@
 """The judge: asks, compares, names the mistake, gives the points. It never runs a student's code itself."""
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -10,15 +9,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from autograder.compare import without_own_names
+from autograder.compare import without_own_names, without_own_shape
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import MOST_EVALUATIONS, Aspect, Case, Exercise, Task, Trial, Variant, attempt, recorded
 
 Call = Callable[[str, tuple, dict, float], Outcome]
 
 RIGHT, PARTLY, WRONG, ERROR, TIMEOUT, MISSING = "right", "partly", "wrong", "error", "timeout", "missing"
-
-SHAPE = re.compile(r"its shape is \([\d, ]*\)")  # chosen by the submission, which may know a hidden input
 
 # One sentence, whichever limit is met first: a fast computer meets that of the evaluations, a slow one the clock's.
 ENDLESS = Lost("it did not end in time: does a loop never end?", timeout=True)
@@ -178,7 +175,7 @@ def _look(task: Task, aspect: Aspect, trials: Sequence[Trial], expected: Sequenc
             with np.errstate(all="ignore"):  # a diverging answer may overflow a norm
                 fault = aspect.fault(trial, right)
         if fault and not public:
-            fault = SHAPE.sub("its shape is another one", fault)
+            fault = without_own_shape(fault)
         if fault and public and isinstance(trial.outcome, Raised):
             fault += f", which says: {trial.outcome.message}" if trial.outcome.message else ""
         if fault and public and trial.case.label:

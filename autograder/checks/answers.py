@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from autograder.compare import Tolerance, disagreement, numbers
+from autograder.compare import Tolerance, disagreement, numbers, wrong_shape
 from autograder.outcome import Raised, Value
 from autograder.spec import Trial
 
@@ -30,7 +30,7 @@ def array(trial: Trial, shape: tuple[int, ...], named: str = "") -> np.ndarray |
     got = numbers(trial.outcome.value)
     if isinstance(got, str):
         return got
-    return got if got.shape == shape else f"its shape is {got.shape}, and not {f'{named} = ' if named else ''}{shape}"
+    return got if got.shape == shape else wrong_shape(got, f"{named} = {shape}" if named else shape)
 
 
 def said(message: str) -> list[float]:

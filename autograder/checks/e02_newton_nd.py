@@ -14,7 +14,7 @@ from autograder.checks.iteration import (
     stops_when_asked,
     takes_newtons_steps,
 )
-from autograder.compare import Tolerance, numbers
+from autograder.compare import Tolerance, numbers, wrong_shape
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
 from mechlib.basins import basins
@@ -307,7 +307,7 @@ def same_places(expected: Outcome, got: Outcome) -> str | None:
             if isinstance(places, str):
                 return places
             if places.size and (places.ndim != 2 or places.shape[1] != 2):
-                return f"its shape is {places.shape}, and not (number of wrong entries, 2)"
+                return wrong_shape(places, "(number of wrong entries, 2)")
             if len(places) > 1000 or not (np.isfinite(places) & (places == np.round(places))).all():
                 return "it does not name entries by two whole numbers each"
             found, planted = ({tuple(map(int, p)) for p in pairs} for pairs in (places.reshape(-1, 2), right))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from autograder.checks.answers import array
-from autograder.compare import Tolerance, difference, disagreement, numbers
+from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
 from autograder.outcome import Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
 
@@ -503,7 +503,7 @@ def same_assemblies(expected: Outcome, got: Outcome) -> str | None:
     if isinstance(answer, str):
         return answer
     if answer.shape != right.shape:
-        return f"its shape is {answer.shape}, and not {right.shape}"
+        return wrong_shape(answer, right.shape)
     if not np.isfinite(right).all():  # of a known mistake: nothing is there to compare
         return None if not np.isfinite(answer).any() else "it is a number where there is none"
     if not np.isfinite(answer).all():

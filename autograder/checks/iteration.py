@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from autograder.checks.answers import said
-from autograder.compare import Tolerance, difference, numbers
+from autograder.compare import Tolerance, difference, numbers, wrong_shape
 from autograder.outcome import Raised, Value
 from autograder.spec import Trial, Variant
 
@@ -23,7 +23,7 @@ def history(trial: Trial) -> np.ndarray | str:
         return iterates
     seed = np.asarray(trial.case.args[2])
     if iterates.ndim != seed.ndim + 1 or iterates.shape[1:] != seed.shape:
-        return f"its shape is {iterates.shape}, and not (iterations + 1{''.join(f', {n}' for n in seed.shape)})"
+        return wrong_shape(iterates, f"(iterations + 1{''.join(f', {n}' for n in seed.shape)})")
     return iterates if len(iterates) else "it is empty"
 
 
