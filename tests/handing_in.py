@@ -38,6 +38,6 @@ def code(notebook):
     content["cells"] = [
         cell
         for cell in content["cells"]
-        if cell["cell_type"] == "code" and "".join(cell["source"]).startswith(("def ", "import ", "from "))
+        if cell["cell_type"] == "code" and "".join(cell["source"]).startswith(("def ", "class ", "import ", "from "))
     ]
     return json.dumps(content)

@@ -9,6 +9,7 @@ from concurrent.futures import TimeoutError as Late
 from dataclasses import replace
 
 import pytest
+from handing_in import code
 
 from attacks.papers import ARCHIVES, NOTEBOOKS
 from attacks.table import ATTACKS, BOTH, CALLS, CLASSES, FINDINGS, NAMESPACES, TOOLS, Attack
@@ -27,9 +28,7 @@ SLIPS = ("NameError", "SyntaxError", "AttributeError", "TypeError", "ImportError
 
 def honest():
     """The solution, but for its figures."""
-    cells = json.loads(SOLUTION.read_text("utf-8"))["cells"]
-    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    return [source for source in code if source.startswith(("import", "class", "def"))]
+    return ["".join(cell["source"]) for cell in json.loads(code(SOLUTION.read_text("utf-8")))["cells"]]
 
 
 def numbers():

@@ -6,7 +6,6 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
-from autograder.checks import EXERCISES
 from examination.mutants import Mutant, mutants
 from examination.solutions import Solution, solution, solutions
 from examination.trial import Judged, equivalents, judge
@@ -83,19 +82,6 @@ def _row(of: Solution, made: list[Mutant], results: list[Judged], differs: dict[
     }
 
 
-def mistakes() -> list[dict]:
-    """How many mistakes each task knows by name, and what tells them."""
-    return [
-        {
-            "task": task.name,
-            "by value": sum(not variant.by_path for variant in task.variants),
-            "by path": sum(variant.by_path for variant in task.variants),
-        }
-        for exercise in EXERCISES.values()
-        for task in exercise.tasks
-    ]
-
-
 def write(rows: list[dict]) -> None:
     FILE.parent.mkdir(exist_ok=True)
-    FILE.write_text(json.dumps({"mutants": rows, "mistakes": mistakes()}, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    FILE.write_text(json.dumps({"mutants": rows}, indent=1, ensure_ascii=False) + "\n", "utf-8")

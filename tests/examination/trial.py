@@ -9,9 +9,10 @@ from functools import cache
 from itertools import count
 
 import numpy as np
+from judging import answering
 
 from autograder.judge import ENDLESS, assess
-from autograder.outcome import Outcome, Raised, Value
+from autograder.outcome import Outcome, Value
 from autograder.spec import Case, Task, Trial, recorded
 from examination.mutants import Mutant
 from examination.solutions import Solution
@@ -46,16 +47,15 @@ def time_limit(seconds: float) -> Iterator[None]:
 
 def calling(function: Callable, limit: float = SECONDS) -> Callable:
     """A submission whose every function is this one; it warns nobody, and its time is limited."""
+    answer = answering(function)
 
-    def call(_, args, kwargs, seconds) -> Outcome:
+    def call(*question) -> Outcome:
         try:
-            with warnings.catch_warnings(), np.errstate(all="ignore"), time_limit(limit):
+            with warnings.catch_warnings(), time_limit(limit):
                 warnings.simplefilter("ignore")
-                return Value(function(*args, **kwargs))
+                return answer(*question)
         except Endless:
             return ENDLESS
-        except Exception as mistake:
-            return Raised.of(mistake)
 
     return call
 
