@@ -136,7 +136,7 @@ def _convergence(task: Task, trials: Sequence[Trial], expected: Sequence[Trial])
         if task.errors is None or not task.disagreement(right.outcome, trial.outcome):
             continue
         errors = task.errors(trial, right)
-        if errors is not None and np.isfinite(errors).any():
+        if errors is not None and ((errors > 0) & np.isfinite(errors)).any():
             return tuple(
                 tuple(float(e) if np.isfinite(e) else 0.0 for e in each) for each in (errors, task.errors(right, right))
             )

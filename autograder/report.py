@@ -1,6 +1,5 @@
 """What people read: the card of a check, the feedback page of a student, the grade table."""
 
-import base64
 import csv
 import io
 import re
@@ -9,6 +8,7 @@ from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader
 
+from autograder.decay import decay
 from autograder.judge import Assessment, Graded, stopped
 
 WORDS = {
@@ -54,23 +54,8 @@ def card_text(a: Assessment) -> str:
     return "\n".join(lines)
 
 
-def convergence_image(a: Assessment) -> str:
-    """Error against iteration of an answer and of a right one, as the address of an image."""
-    import matplotlib.pyplot as plt  # more than half of a command's start, and only a wrong iteration needs it
-
-    from mechlib import draw
-
-    answer, right = a.convergence
-    with plt.style.context(draw.STYLE | {"figure.figsize": (4.6, 2.6), "svg.fonttype": "none"}):
-        figure = draw.convergence({"your iterates": answer, "right ones": right}, "error")
-        drawn = io.StringIO()
-        figure.savefig(drawn, format="svg", metadata={"Date": None})
-        plt.close(figure)
-    return f"data:image/svg+xml;base64,{base64.b64encode(drawn.getvalue().encode()).decode()}"
-
-
 def convergence_words(a: Assessment) -> str:
-    """The same for those who do not see it."""
+    """The drawing of errors against iterations, for those who do not see it."""
     answer, right = ([f"{error:.0e}" for error in errors if error] for errors in a.convergence)
     return f"Error of each iterate. Yours: {', '.join(answer)}. Right ones: {', '.join(right)}."
 
@@ -106,7 +91,8 @@ def section_address(book: str, section: str) -> str:
 _templates.filters.update(
     sentence=sentence,
     stopped=stopped,
-    convergence_image=convergence_image,
+    decay=lambda a: decay(a.convergence),
+    zip=zip,
     convergence_words=convergence_words,
     section_address=section_address,
 )
