@@ -44,8 +44,7 @@ class Cell:
     source: str
 
     @cached_property
-    def python(self) -> str | None:
-        """Its text without the magics; None if that is not Python."""
+    def _read(self) -> tuple[str | None, ast.Module]:
         magic, _, below = self.source.partition("\n")
         plain = self.source
         if magic.startswith("%%"):
@@ -53,16 +52,19 @@ class Cell:
         for text in (plain, "\n".join(map(_without_magic, plain.split("\n")))):
             try:
                 with warnings.catch_warnings(action="ignore"):
-                    ast.parse(text)
+                    return text, ast.parse(text)
             except (SyntaxError, ValueError, RecursionError, MemoryError):
                 continue
-            return text
-        return None
+        return None, ast.Module([], [])
 
-    @cached_property
+    @property
+    def python(self) -> str | None:
+        """Its text without the magics; None if that is not Python."""
+        return self._read[0]
+
+    @property
     def tree(self) -> ast.Module:
-        with warnings.catch_warnings(action="ignore"):
-            return ast.parse(self.python or "")
+        return self._read[1]
 
     @cached_property
     def defines(self) -> dict[str, int]:
