@@ -16,7 +16,7 @@ from autograder.checks import EXERCISES
 from autograder.ingest import Refused, read
 from autograder.journal import Journal
 from autograder.judge import Assessment, Graded
-from autograder.publish import publish
+from autograder.publish import publish_page, publish_tables
 from autograder.sandbox import Sandbox
 from autograder.submissions import Contents, Submission, contents, find, unpacked
 
@@ -76,8 +76,12 @@ def grade_cohort(
             keys = {s: (s.student, s.exercise, _digest(s, salt, level)) for s in submissions}
             whole = journal.graded()
             waiting = [s for s in submissions if keys[s] not in whole]
-            done = len(submissions) - len(waiting)
-            progress(done, len(submissions))
+            said = isolation.statement(level)
+            results = {}
+            for s in submissions:
+                if keys[s] in whole:
+                    results[s] = publish_page(s.student, journal.get(*keys[s]), out, said, book)
+            progress(len(results), len(submissions))
             if waiting:
                 with _graders(level, jobs, scheduler) as (submit, at_once):
 
@@ -87,10 +91,11 @@ def grade_cohort(
 
                     for s, graded in _as_they_come(start, waiting, at_once):
                         journal.put(*keys[s], graded)
-                        progress(done := done + 1, len(submissions))
-            results = ((s.student, journal.get(*keys[s])) for s in submissions)
-            former = {(student, exercise) for student, exercise, _ in whole}
-            return publish(results, out, isolation.statement(level), former, book)
+                        results[s] = publish_page(s.student, graded, out, said, book)
+                        progress(len(results), len(submissions))
+            found = [(s.student, results[s]) for s in submissions]
+            publish_tables(found, out, said, former={(student, exercise) for student, exercise, _ in whole})
+            return found
 
 
 def _as_they_come(

@@ -34,7 +34,9 @@ def sentence(text: str) -> str:
     return stopped(text[:1].upper() + text[1:])
 
 
-_templates = Environment(loader=PackageLoader("autograder"), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+_templates = Environment(
+    loader=PackageLoader("autograder"), autoescape=True, trim_blocks=True, lstrip_blocks=True, auto_reload=False
+)
 _templates.globals.update(points=points, words=WORDS, colours=COLOURS)
 
 
