@@ -31,8 +31,9 @@ HERE = Path(__file__).resolve().parent
 NBGRADER = "0.9.6"
 THEIRS = HERE.parents[1] / "_build" / "benchmarks" / f"nbgrader-{NBGRADER}"
 KEPT = HERE / "measured" / f"{Path(__file__).stem}.json"
-JOBS, SALT = 2, "benchmark"
+JOBS, SALT = 4, "benchmark"  # two a core: while one is judged, another computes
 COPIES = 3  # of the submissions, where the time of one is looked for: the start is much longer
+TRIES = 3  # of which the quickest counts: other work on the computer only ever adds
 
 FASTER, OVERHEAD, MEMORY, MEMORY_A_WORKER = 30.0, 50.0, 250.0, 100.0  # times; ms; MB
 
@@ -174,8 +175,9 @@ def main() -> int:
         first, _ = ours(one, JOBS, scratch)
         run, got = ours(handed_in, JOBS, scratch)
         void = misjudged(handed_in, "autograder", got)
-        in_turn = 1e3 / steady(first, ours(more, 1, scratch)[0], len(more))
-        work = 1e3 * own_work(handed_in)
+        tries = [(ours(one, 1, scratch)[0], ours(more, 1, scratch)[0], own_work(handed_in)) for _ in range(TRIES)]
+        in_turn = min(1e3 / steady(alone, all_in_turn, len(more)) for alone, all_in_turn, _ in tries)
+        work = min(1e3 * seconds for _, _, seconds in tries)
         found = {
             "date": datetime.date.today().isoformat(),
             "computer": computer(),

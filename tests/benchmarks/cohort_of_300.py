@@ -6,6 +6,7 @@ python tests/benchmarks/cohort_of_300.py [--students N] [--exercises NAME ...] [
 import argparse
 import csv
 import json
+import os
 import random
 import statistics
 import sys
@@ -21,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 SOLUTIONS = ROOT / "solutions"
 SHARE = 1 / 3  # of the notebooks, with a mistake
 GROWTH, SLACK, ENOUGH = 0.10, 20.0, 20  # what memory may grow by, or by so many MB; students to tell it from the start
-OVER = 0.97  # part of the run after which the workers go, and the pages are written
+OVER = 0.97  # part of the run after which the workers go
 
 # One edit of a solution each: a mistake that costs points, whoever makes it.
 MISTAKES = {
@@ -103,7 +104,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--students", type=int, default=300)
     parser.add_argument("--exercises", nargs="+", choices=MISTAKES, default=list(MISTAKES))
-    parser.add_argument("-j", dest="jobs", type=int, default=2)
+    parser.add_argument("-j", dest="jobs", type=int, default=2 * len(os.sched_getaffinity(0)))
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         submissions, out = Path(scratch, "submissions"), Path(scratch, "out")

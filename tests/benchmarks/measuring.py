@@ -11,7 +11,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
-INTERVAL = 0.05  # s, between two looks at the memory
+INTERVAL = 0.2  # s, between two looks at the memory
 AUTOGRADER = [sys.executable, "-m", "autograder.cli"]
 MB = 1e6
 
