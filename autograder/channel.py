@@ -1,18 +1,19 @@
 """The judge's end of a worker: questions with a deadline, answers as data.
 
-One thread holds the conversation about a question and answers the worker's own questions on the way; it may be stuck
-for ever at a worker that neither reads nor writes.  The asker waits beside it, and ends the worker when time is over.
+The asker answers the worker's own questions on the way to its answer.  Beside it one thread reads what the worker
+prints, and another ends the worker when its time is over.
 """
 
-import contextvars
 import os
 import re
 import secrets
+import select
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from queue import Empty, SimpleQueue
+from functools import partial
 from typing import Any, Protocol
 
 from .outcome import Raised, Value
@@ -33,6 +34,7 @@ __all__ = [
     "WorkerLost",
 ]
 
+POSIX = os.name == "posix"
 ARGUMENTS_MOST = 4 << 20  # bytes; what the judge makes of them may be far larger
 OUTPUT_KEPT = 64 << 10
 OUTPUT_MOST = 4 << 20
@@ -97,9 +99,12 @@ class Worker:
     """
 
     def __init__(self, requests: int, replies: int, output: int, process: Process):
-        self._requests, self._replies, self._process = requests, replies, process
+        self._requests, self._replies = requests, wire.Source(replies, partial(self._wait, replies))
+        self._process = process
         self._gone, self._talking, self._ending = False, False, threading.Lock()
-        self._output = _Output(output, self._kill)
+        self._output, self._watch = _Output(output, self._kill), _Watch(process, self._kill)
+        if POSIX:
+            os.set_blocking(requests, False)  # it may be full, and the worker may not read
 
     def __enter__(self) -> "Worker":
         return self
@@ -173,6 +178,9 @@ class Worker:
     @property
     def output(self) -> str:
         """What the code has printed so far: the first 64 KiB, without control characters."""
+        if not self._gone:
+            with suppress(WorkerLost):
+                self._output.settle(self._ask({"ask": "mark"}, b"", SETTLING, (), lambda header, body: header["id"]))
         return printable(COLOURS.sub("", self._output.kept().decode("utf-8", "replace")))
 
     def close(self) -> None:
@@ -181,6 +189,7 @@ class Worker:
             if self._gone:
                 return
             self._gone = True
+            self._watch.over.set()
             self._process.kill()
             self._process.bury()
             if not self._talking:
@@ -190,7 +199,7 @@ class Worker:
     def _hang_up(self) -> None:
         """Close the pipes; never under a thread that still reads them, for their numbers are soon another worker's."""
         os.close(self._requests)
-        os.close(self._replies)
+        os.close(self._replies.fd)
 
     def _kill(self) -> None:
         with self._ending:
@@ -199,64 +208,93 @@ class Worker:
 
     def _ask(self, question, body, seconds, functions, read):
         """Put a question, and give what `read` makes of the answer."""
-        if self._gone:
-            raise WorkerDied("this worker is gone")
-        identity = secrets.token_hex(8)
-        outcome = SimpleQueue()
-
-        def converse():
-            found, error = None, None
-            try:
-                found = self._converse(identity, question, body, functions, read)
-            except (EOFError, OSError):
-                error = WorkerDied("the process ended before it answered")
-            except BaseException as other:
-                error = other
-            with self._ending:
-                self._talking = False
-                if self._gone:
-                    self._hang_up()
-            outcome.put((found, error))
-
-        self._talking = True
-        context = contextvars.copy_context()  # np.errstate and the like hold for the judge's functions, too
-        threading.Thread(target=context.run, args=(converse,), daemon=True).start()
-        found, error = self._await(outcome, seconds)
+        with self._ending:
+            if self._gone:
+                raise WorkerDied("this worker is gone")
+            self._talking = True
+        found, error = None, None
+        try:
+            with self._watch.limit(seconds):
+                found = self._converse(question, body, functions, read)
+        except (EOFError, OSError):
+            error = WorkerDied("the process ended before it answered")
+        except BaseException as other:
+            error = other
+        with self._ending:
+            self._talking = False
+            if self._gone:
+                self._hang_up()
         if error is None:
-            self._output.settle(b"\0%b\0" % identity.encode())
             return found
         self.close()
         if self._output.flooded:
             raise OutputFlood(f"more than {OUTPUT_MOST >> 20} MiB of output") from None
-        raise error
+        raise self._watch.verdict or error
 
-    def _await(self, outcome: SimpleQueue, seconds: float) -> tuple:
-        """What comes of a conversation, or TimeLimit, or Excess."""
-        computed, began = self._process.computing_time(), time.monotonic()
-        left = seconds
-        while left > 0:
-            if excess := self._process.excess():
-                return None, Excess(excess)
-            try:
-                return outcome.get(timeout=min(left, LOOK))
-            except Empty:
-                left = min(
-                    computed + seconds - self._process.computing_time(), began + WALL * seconds - time.monotonic()
-                )
-        return None, TimeLimit(f"no answer within {seconds:g} s")
-
-    def _converse(self, identity, question, body, functions, read):
-        wire.send(self._requests, {"id": identity, **question}, body)
+    def _converse(self, question, body, functions, read):
+        identity = secrets.token_hex(8)
+        self._send({"id": identity, **question}, body)
         while True:
             header, body = wire.receive(self._replies)
             if header.get("id") != identity:
                 raise ProtocolError("an answer to a question that nobody asked")
             if "evaluate" not in header:
                 return read(header, body)
-            if self._gone:
-                raise WorkerDied("this worker is gone")
             reply, arrays = _evaluate(functions, header, body)
-            wire.send(self._requests, {"id": identity, **reply}, arrays)
+            self._send({"id": identity, **reply}, arrays)
+
+    def _send(self, header: dict, body: bytes) -> None:
+        wire.send(self._requests, header, body, partial(self._wait, self._requests, writing=True))
+
+    def _wait(self, fd: int, writing: bool = False) -> None:
+        """Until something can be read or written; a killed process may leave others behind that hold the pipe open.
+
+        Where nothing can wait for a pipe, no process inherits one.
+        """
+        while POSIX and not any(select.select([fd][writing:], [fd][: int(writing)], [], LOOK)):
+            if self._gone or self._watch.verdict or self._output.flooded:
+                raise EOFError
+
+
+class _Watch(threading.Thread):
+    """Looks ten times a second whether a question takes longer than it may, or the worker has too much of something."""
+
+    def __init__(self, process: Process, kill: Callable[[], None]):
+        super().__init__(daemon=True)
+        self.process, self.kill = process, kill
+        self.over, self.lock = threading.Event(), threading.Lock()
+        self.ends: tuple[float, float, float] | None = None  # by computing time, by the clock, and what was allowed
+        self.verdict: WorkerLost | None = None
+        self.start()
+
+    def run(self) -> None:
+        while not self.over.wait(LOOK):
+            with self.lock:  # no question ends between the look and the kill
+                if self.ends and (verdict := self._excess() or self._late(*self.ends)):
+                    self.verdict = verdict
+                    self.kill()
+                    return
+
+    @contextmanager
+    def limit(self, seconds: float) -> Iterator[None]:
+        """Hold the worker to so many seconds of computing, and `WALL` times as many by the clock."""
+        if excess := self._excess():
+            raise excess
+        self.ends = self.process.computing_time() + seconds, time.monotonic() + WALL * seconds, seconds
+        yield
+        with self.lock:
+            self.ends = None
+        if self.verdict:
+            raise self.verdict
+
+    def _excess(self) -> Excess | None:
+        excess = self.process.excess()
+        return Excess(excess) if excess else None
+
+    def _late(self, computed: float, clock: float, seconds: float) -> TimeLimit | None:
+        if self.process.computing_time() < computed and time.monotonic() < clock:
+            return None
+        return TimeLimit(f"no answer within {seconds:g} s")
 
 
 class _Output(threading.Thread):
@@ -289,8 +327,9 @@ class _Output(threading.Thread):
         except OSError:
             return b""
 
-    def settle(self, mark: bytes) -> None:
-        """Wait until everything before the mark is here, and take the mark away."""
+    def settle(self, identity: str) -> None:
+        """Wait until everything is here that was printed before a mark, and take the mark away."""
+        mark = f"\0{identity}\0".encode()
         with self.changed:
             self.changed.wait_for(lambda: self.ended or mark in self.data, SETTLING)
             self.data = self.data.replace(mark, b"", 1)

@@ -76,7 +76,7 @@ def _as_dict(graded: Graded) -> dict:
 def grade(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="<student>/<exercise>.ipynb, or a zip file of it.")],
     to: Annotated[Path, typer.Option("--out", help="Folder for grades, feedback and journal.")],
-    jobs: Annotated[int, typer.Option("-j", min=1, help="Submissions at a time.")] = os.cpu_count() or 1,
+    jobs: Annotated[int, typer.Option("-j", min=1, help="Submissions at a time.")] = 2 * (os.cpu_count() or 1),
     level: Level = None,
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler, tcp://computer:8786, whose workers grade.")

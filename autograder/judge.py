@@ -1,6 +1,7 @@
 """The judge: asks, compares, names the mistake, gives the points. It never runs a student's code itself."""
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
@@ -76,7 +77,19 @@ def stopped(text: str) -> str:
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
-def assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Assessment:
+def paper(task: Task, salt: str, student: str) -> tuple[list[Case], list[Trial]]:
+    """The cases of one student, and the right answers to them."""
+    cases = task.draw(salt, student)
+    return cases, solved(task, cases)
+
+
+def solved(task: Task, cases: Sequence[Case]) -> list[Trial]:
+    return [attempt(task.reference, case) for case in cases]
+
+
+def assess(
+    task: Task, call: Call, cases: Sequence[Case], public: bool, expected: Sequence[Trial] | None = None
+) -> Assessment:
     """Judge one task; an answer that the check itself cannot digest is an error of that task alone.
 
     Parameters
@@ -87,19 +100,23 @@ def assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Asses
     cases : sequence of Case
     public : bool
         Whether the student may see what was tried, and what an exception said. Never for hidden cases.
+    expected : sequence of Trial, optional
+        The right answers; left out, they are worked out here.
 
     Returns
     -------
     Assessment
     """
     try:
-        return _assess(task, call, cases, public)
+        return _assess(task, call, cases, public, expected)
     except Exception as mistake:  # a student's answer may be anything: its neighbours go on
         why = f"the check does not understand this answer ({type(mistake).__name__}): show it to your instructor"
         return replace(_missing(task, why), verdict=ERROR)
 
 
-def _assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Assessment:
+def _assess(
+    task: Task, call: Call, cases: Sequence[Case], public: bool, expected: Sequence[Trial] | None
+) -> Assessment:
     trials: list[Trial] = []
     for case in cases:
         args, evaluations = recorded(case)
@@ -111,7 +128,7 @@ def _assess(task: Task, call: Call, cases: Sequence[Case], public: bool) -> Asse
         if why := _absent(task, outcome):
             return _missing(task, why)
         trials.append(Trial(case, outcome, evaluations))
-    expected = [attempt(task.reference, case) for case in cases]
+    expected = solved(task, cases) if expected is None else expected
 
     first, *further = task.aspects
     findings = [_look(task, first, trials, expected, public)]
@@ -272,16 +289,18 @@ def grade(
     -------
     Graded
     """
-    assessments = []
-    with Session(exercise, cells, sandbox) as session:
-        for task in exercise.tasks:
-            assessment = known.get(task.name)
-            if assessment is None:
-                judged = assess(task, session.caller(), task.draw(salt, student), public)
+    assessments = dict(known)
+    left = [task for task in exercise.tasks if task.name not in known]
+    with ThreadPoolExecutor(1) as beside:
+        papers = [beside.submit(paper, task, salt, student) for task in left]  # while the cells run
+        with Session(exercise, cells, sandbox) as session:
+            for task, drawn in zip(left, papers, strict=True):
+                cases, expected = drawn.result()
+                judged = assess(task, session.caller(), cases, public, expected)
                 keep(assessment := _explain(judged, session))
-            assessments.append(assessment)
-        said = (*notes, *session.notes)
-        return Graded(exercise.name, tuple(assessments), said, session.output, sandbox.level)
+                assessments[task.name] = assessment
+            said, output = (*notes, *session.notes), session.output
+    return Graded(exercise.name, tuple(assessments[t.name] for t in exercise.tasks), said, output, sandbox.level)
 
 
 def _explain(assessment: Assessment, session: "Session") -> Assessment:
@@ -350,6 +369,7 @@ class Session:
                     self._note(f"code cell {i + 1}: {ran.note}")
                 if ran.raised:
                     self._fail(f"code cell {i + 1} stopped with {ran.raised.type}: {ran.raised.message}")
+            self.sandbox.prepare()  # not before: a fork holds up the cells, which touch much memory for the first time
         return self._worker
 
     def _note(self, note: str) -> None:
@@ -363,7 +383,7 @@ class Session:
 
     def _drop(self) -> None:
         if self._worker is not None:
-            self._worker.close()
+            self.sandbox.dismiss(self._worker)
             self._worker = None
 
 

@@ -17,6 +17,7 @@ import tempfile
 import threading
 import time
 import weakref
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from pathlib import Path
 
@@ -80,8 +81,9 @@ class Sandbox:
             raise IsolationError(f"there is no isolation level {level!r}: choose one of {', '.join(LEVELS)}")
         self.level = level
         self._workers: weakref.WeakSet[Worker] = weakref.WeakSet()
-        self._closed = False
+        self._closed, self._lock = False, threading.Lock()
         self._parent = _Parent(level) if level in CONFINED else None
+        self._aside, self._next, self._leaving = ThreadPoolExecutor(2), None, []
 
     def __enter__(self) -> "Sandbox":
         return self
@@ -102,8 +104,9 @@ class Sandbox:
         IsolationError
             If the worker could not be started.
         """
-        worker = self._parent.worker() if self._parent else _cold_worker(self.level)
-        self._workers.add(worker)
+        worker = self._forked() if self._parent else _cold_worker(self.level)
+        with self._lock:
+            self._workers.add(worker)
         if self._closed:  # by another thread, which may not have seen this worker
             worker.close()
         try:
@@ -113,13 +116,42 @@ class Sandbox:
             raise IsolationError(f"no worker starts at level {self.level}: {why}") from None
         return worker
 
+    def _forked(self) -> Worker:
+        with self._lock:
+            ready, self._next = self._next, None
+        return ready.result() if ready else self._parent.worker()
+
+    def prepare(self) -> None:
+        """Have the next worker begin, beside what is going on."""
+        with self._lock:
+            if self._parent and not self._next and not self._closed:
+                self._next = self._aside.submit(self._parent.worker)
+
+    def dismiss(self, worker: Worker) -> None:
+        """End a worker, without waiting for its end."""
+        with self._lock:
+            if not self._closed:
+                self._leaving = [end for end in self._leaving if not end.done()] + [self._aside.submit(worker.close)]
+
+    def rest(self) -> None:
+        """Take back what was prepared, and wait for the end of who was dismissed."""
+        with self._lock:
+            ready, self._next = self._next, None
+        if ready and not ready.exception():
+            ready.result().close()
+        wait(self._leaving)
+
     def close(self) -> None:
         """End every worker, also those that other threads wait for."""
-        self._closed = True
-        for worker in list(self._workers):
+        with self._lock:
+            self._closed = True
+            workers = list(self._workers)
+        for worker in workers:
             worker.close()
         if self._parent:
             self._parent.close()
+        self.rest()
+        self._aside.shutdown()
 
 
 def probe(level: str) -> None:
@@ -156,10 +188,10 @@ class _Parent:
     Parameters
     ----------
     level : one of `CONFINED`
-    canary : path of a file for a probe, which does without the imports
+    canary : path of a file for a probe, which does without the imports; left out, the workers answer
     """
 
-    def __init__(self, level: str, canary: str = ""):
+    def __init__(self, level: str, canary: str | None = None):
         try:
             program = walls.system_calls()
         except (ImportError, OSError, RuntimeError) as error:

@@ -96,7 +96,7 @@ def test_whatever_bytes_come_give_a_frame_or_an_error_of_the_protocol(junk, fram
     os.close(write)
     with open(read, "rb") as pipe:
         try:
-            wire.receive(pipe.fileno())
+            wire.receive(wire.Source(pipe.fileno()))
         except (ProtocolError, EOFError):
             pass
 
@@ -142,7 +142,7 @@ def test_a_header_that_is_no_object_is_refused(header):
     )
     sender.start()
     with open(read, "rb") as pipe, pytest.raises(ProtocolError):
-        wire.receive(pipe.fileno())
+        wire.receive(wire.Source(pipe.fileno()))
     sender.join()
 
 

@@ -4,7 +4,7 @@ import os
 import sys
 
 from . import harden
-from .serve import Server, private_descriptors
+from .serve import Server, forget_ourselves, private_descriptors
 from .shell import notebook
 
 GIB = 1 << 30
@@ -14,4 +14,5 @@ sys.path.remove(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 ready = notebook()
 if sys.argv[1] == "limits":
     harden.limit(harden.mapped_bytes() + GIB)
+forget_ourselves()
 Server(requests, replies, ready).serve()

@@ -11,6 +11,10 @@ import os
 import signal
 import socket
 import sys
+import threading
+from collections.abc import Callable
+from functools import partial
+from typing import NoReturn
 
 from . import harden, probe
 
@@ -20,12 +24,13 @@ DESCRIPTORS = 3
 
 
 def main() -> None:
+    gc.disable()  # what it freed would leave holes, and a worker that fills one copies the page around it
     control = socket.socket(fileno=os.dup(0))
     sys.path.remove(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
     _, (file,), _, _ = socket.recv_fds(control, 1 << 8, 1)
     with open(file) as plan:
         plan = json.load(plan)
-    ready = None if plan["probe"] else warm()
+    work = answering() if plan["probe"] is None else trying(plan["probe"])
     threads = len(os.listdir("/proc/self/task"))
     if threads != 1:
         sys.exit(f"the parent has {threads} threads, and only one of them would survive a fork")
@@ -33,7 +38,6 @@ def main() -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the kernel buries the workers
     sys.stdout.flush()  # or every worker would print what is waiting here
     sys.stderr.flush()
-    gc.collect()
     gc.freeze()
     read, listed = plan.pop("around_hidden")
     if not plan["namespaces"]:  # there, mounts hide the hidden, and Landlock would forbid the mounts still to be made
@@ -43,10 +47,27 @@ def main() -> None:
         message, descriptors, _, _ = socket.recv_fds(control, 1 << 16, DESCRIPTORS)
         if not message:
             return
-        if os.fork() == 0:
-            start(plan, message.decode(), descriptors, control, ready)
+        begin = partial(start, plan, message.decode(), descriptors, control, work)
+        if plan["namespaces"]:
+            aside(begin)
+        else:
+            begin()
         for fd in descriptors:
             os.close(fd)
+
+
+def trying(canary: str) -> Callable[[], None]:
+    """The work of a probe."""
+    return lambda: os.write(2, probe.report(canary).encode())
+
+
+def answering() -> Callable[[], None]:
+    """The work of a worker, with all that it imports."""
+    notebook = warm()
+    from . import serve
+
+    serve.forget_ourselves()
+    return lambda: serve.Server(*serve.private_descriptors(), notebook).serve()
 
 
 def warm():
@@ -60,7 +81,7 @@ def warm():
     import scipy.sparse.linalg  # noqa: F401
     import sympy  # noqa: F401
 
-    from . import serve, shell  # noqa: F401
+    from . import shell
 
     figure, axes = plt.subplots()
     axes.plot([0, 1], label="$x$")
@@ -72,58 +93,67 @@ def warm():
     return notebook
 
 
-def start(plan, work, descriptors, control, notebook) -> None:
-    """In the first fork: become the worker, or fork it into namespaces of its own; never returns."""
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+def aside(begin: Callable[[], None]) -> None:
+    """In a thread, for namespaces belong to a thread: with it they go, and the next worker gets others."""
+    thread = threading.Thread(target=begin, name="MainThread")  # which it is in the worker
+    thread.start()
+    thread.join()
+
+
+def start(plan, folder, descriptors, control, work) -> None:
+    """Fork a worker, in namespaces of its own."""
     try:
         if plan["namespaces"]:
             harden.unshare(harden.CLONE_NEWPID | harden.CLONE_NEWNS | harden.CLONE_NEWIPC)
             harden.mount("none", "/", flags=harden.MS_REC | harden.MS_SLAVE)
-            if os.fork():
-                os._exit(0)
-        handle = os.pidfd_open(os.getpid())  # by it the judge can kill this process, whatever its number
+        child = os.fork()
+        if child == 0:
+            run(plan, folder, descriptors, work)
+        handle = os.pidfd_open(child)  # by it the judge can kill this process, whatever its number
+        socket.send_fds(control, [b"started"], [handle])
+        os.close(handle)
     except OSError as error:
         control.send(str(error).encode())
-        os._exit(70)
-    socket.send_fds(control, [b"started"], [handle])
+
+
+def run(plan, folder, descriptors, work) -> NoReturn:
+    """In the fork: build the walls, and work behind them."""
     try:
-        worker(plan, work, descriptors, notebook)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        gc.enable()
+        settle(plan, folder, descriptors)
+        work()
     except BaseException as error:
         os.write(2, f"{type(error).__name__}: {error}".encode())
     os._exit(0)
 
 
-def worker(plan, work, descriptors, notebook) -> None:
+def settle(plan, folder, descriptors) -> None:
+    """Requests, replies and output for input, output and errors, and nothing else of the parent's."""
     for target, fd in enumerate(descriptors):
         os.dup2(fd, target + 60)
     for target in range(DESCRIPTORS):
         os.dup2(target + 60, target)
     os.closerange(DESCRIPTORS, os.sysconf("SC_OPEN_MAX"))
     os.setsid()
-    confine(plan, work)
-    if notebook is None:
-        os.write(2, probe.report(plan["probe"]).encode())
-        return
-    from .serve import Server, private_descriptors
-
-    Server(*private_descriptors(), notebook).serve()
+    confine(plan, folder)
 
 
-def confine(plan, work: str) -> None:
+def confine(plan, folder: str) -> None:
     """All walls, in the order in which they can be built."""
     if plan["namespaces"]:
-        harden.mount("tmpfs", work, "tmpfs", harden.MS_NOSUID | harden.MS_NODEV, plan["disk"])
-        for folder in HIDDEN_FROM_WORKERS:
-            harden.mount("tmpfs", folder, "tmpfs", harden.MS_RDONLY, "size=4k")
+        harden.mount("tmpfs", folder, "tmpfs", harden.MS_NOSUID | harden.MS_NODEV, plan["disk"])
+        for hidden in HIDDEN_FROM_WORKERS:
+            harden.mount("tmpfs", hidden, "tmpfs", harden.MS_RDONLY, "size=4k")
         harden.drop_capabilities()
     else:
         harden.prctl(harden.PR_SET_PDEATHSIG, signal.SIGKILL)
-    os.chdir(work)
-    os.environ.update(HOME=work, TMPDIR=work, IPYTHONDIR=work)
+    os.chdir(folder)
+    os.environ.update(HOME=folder, TMPDIR=folder, IPYTHONDIR=folder)
     harden.prctl(harden.PR_SET_DUMPABLE, 0)
     harden.limit(plan["address_space"])
     if harden.landlock_abi() or not plan["namespaces"]:
-        harden.landlock(plan["read"], write=[work, "/dev/null"])
+        harden.landlock(plan["read"], write=[folder, "/dev/null"])
     harden.seccomp(base64.b64decode(plan["seccomp"]))
 
 

@@ -36,14 +36,14 @@ class Server:
     """
 
     def __init__(self, requests: int, replies: int, notebook: shell.Notebook):
-        self.requests, self.replies, self.notebook = requests, replies, notebook
+        self.requests, self.replies, self.notebook = wire.Source(requests), replies, notebook
         self.question = None  # the id of the question under way
         self.lock = threading.Lock()
         self.printed = sys.stdout, sys.stderr
 
     def serve(self) -> None:
         """Answer until the judge hangs up."""
-        answers = {"start": self.start, "run": self.run, "call": self.call}
+        answers = {"start": self.start, "run": self.run, "call": self.call, "mark": self.mark}
         while True:
             try:
                 header, body = wire.receive(self.requests)
@@ -60,8 +60,6 @@ class Server:
                 self.question = None
 
     def start(self, header, body):
-        for name in [name for name in sys.modules if f"{name}.".startswith(f"{__package__}.")]:
-            del sys.modules[name]  # loaded, but none of the submission's business
         sys.path.insert(0, os.getcwd())  # as in a notebook: files that a cell writes can be imported
         course.install(header["modules"])
         reseed(SEED)
@@ -83,6 +81,14 @@ class Server:
             return {"raised": describe(error)}, b""
         return {"value": value}, arrays
 
+    def mark(self, header, body):
+        """The judge sees where the output ends so far: what was printed was flushed after every answer."""
+        try:
+            os.write(2, f"\0{self.question}\0".encode())
+        except OSError:
+            pass  # closed by the submission
+        return {}, b""
+
     def proxy(self, index: int) -> Callable:
         """The judge's function number `index`, to be called while the question that brought it is open."""
         question = self.question
@@ -101,16 +107,18 @@ class Server:
         return function
 
     def flush(self) -> None:
-        """Everything printed is on its way, and the judge sees where it ends."""
+        """Everything printed is on its way."""
         for stream in self.printed:
             try:
                 stream.flush()
             except (OSError, ValueError):
                 pass  # closed by the submission
-        try:
-            os.write(2, b"\0%b\0" % self.question.encode())
-        except OSError:
-            pass
+
+
+def forget_ourselves() -> None:
+    """Take our modules out of sight: they are loaded, but none of a submission's business."""
+    for name in [name for name in sys.modules if f"{name}.".startswith(f"{__package__}.")]:
+        del sys.modules[name]
 
 
 def reseed(seed: int) -> None:

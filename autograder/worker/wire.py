@@ -109,6 +109,8 @@ def encode(value: Any, otherwise: Callable[[Any], list] = refuse) -> tuple[Any, 
             return x
         if t is int and x.bit_length() <= MAX_BITS:
             return x
+        if t is np.float64:  # the most frequent by far: an iterate
+            return ["float64", float(x)]
         if t is str:
             return text(x)
         if t is complex:
@@ -172,6 +174,8 @@ def decode(code: Any, body: bytes, function: Callable[[int], Callable] | None = 
         if type(x) is not list or not x:
             raise ProtocolError("a value without a kind")
         kind, *rest = x
+        if kind == "float64" and type(rest[0]) is float:
+            return np.float64(*rest)
         if kind == "list":
             return [value(y, depth + 1) for y in rest]
         if kind == "tuple":
@@ -203,35 +207,60 @@ def decode(code: Any, body: bytes, function: Callable[[int], Callable] | None = 
     return found
 
 
-def send(fd: int, header: dict, body: bytes = b"") -> None:
-    """Write one frame; ValueError if it is larger than the other end would take."""
+def send(fd: int, header: dict, body: bytes = b"", wait: Callable[[], None] = lambda: None) -> None:
+    """Write one frame; ValueError if it is larger than the other end would take.
+
+    Parameters
+    ----------
+    wait : callable, optional
+        Called where a pipe that does not block is full; may raise.
+    """
     head = to_json(header).encode()
     if len(head) > MAX_HEADER:
         raise ValueError(f"more than {MAX_HEADER >> 20} MiB of text")
     left = memoryview(PREFIX.pack(MAGIC, len(head), len(body)) + head + body)
     while left:
-        left = left[os.write(fd, left) :]
+        try:
+            left = left[os.write(fd, left) :]
+        except BlockingIOError:
+            wait()
 
 
-def receive(fd: int) -> tuple[dict, bytes]:
+class Source:
+    """A stream to read frames from.
+
+    Parameters
+    ----------
+    fd : file descriptor
+    wait : callable, optional
+        Called before a read that may have to wait; may raise.
+    """
+
+    def __init__(self, fd: int, wait: Callable[[], None] = lambda: None):
+        self.fd, self.wait, self.ahead = fd, wait, bytearray()
+
+    def exactly(self, size: int) -> bytes:
+        """So many bytes; EOFError if there are fewer."""
+        while len(self.ahead) < size:
+            self.wait()
+            part = os.read(self.fd, max(1 << 13, min(size - len(self.ahead), 1 << 20)))
+            if not part:
+                raise EOFError
+            self.ahead += part
+        found = bytes(self.ahead[:size])
+        del self.ahead[:size]
+        return found
+
+
+def receive(source: Source) -> tuple[dict, bytes]:
     """Read one frame; EOFError at the end of the stream, ProtocolError for anything but a frame."""
-    magic, head, body = PREFIX.unpack(_exactly(fd, PREFIX.size))
+    magic, head, body = PREFIX.unpack(source.exactly(PREFIX.size))
     if magic != MAGIC or head > MAX_HEADER or body > MAX_BODY:
         raise ProtocolError("stray bytes")
     try:
-        header = json.loads(_exactly(fd, head).decode())
+        header = json.loads(source.exactly(head).decode())
     except (ValueError, RecursionError) as error:
         raise ProtocolError(f"a header that is no JSON: {type(error).__name__}") from None
     if type(header) is not dict:
         raise ProtocolError("a header that is no object")
-    return header, _exactly(fd, body)
-
-
-def _exactly(fd: int, size: int) -> bytes:
-    data = bytearray()
-    while len(data) < size:
-        part = os.read(fd, min(size - len(data), 1 << 20))
-        if not part:
-            raise EOFError
-        data += part
-    return bytes(data)
+    return header, source.exactly(body)

@@ -576,7 +576,7 @@ sys.exit()
 while True: pass
 """,
         "in a tracer": "sys.settrace(lambda *_: time.sleep(1e6))\nf = lambda: 1\nf()",
-        "deaf to the judge": "while True: os.read(server().requests, 1)",
+        "deaf to the judge": "while True: os.read(server().requests.fd, 1)",
     },
 )
 

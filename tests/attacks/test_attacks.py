@@ -66,6 +66,7 @@ def run_notebook(world, place, attack):
 
 def harm(world, place, attack, patience=PATIENCE, settling=SETTLING):
     """The names of the watches that fired."""
+    place.rest()
     world.begin()
     with ThreadPoolExecutor(1) as thread:
         done = thread.submit(run_notebook if attack.graded else run_cell, world, place, attack)
@@ -74,6 +75,7 @@ def harm(world, place, attack, patience=PATIENCE, settling=SETTLING):
         except Late:
             world.hung, found = True, set()
             place.close()  # or we would wait, too
+    place.rest()
     return found | world.lasting_harm(settling)
 
 

@@ -417,8 +417,8 @@ def descendants() -> set[int]:
     """The processes that this one started, and theirs."""
     found, waiting = set(), [os.getpid()]
     while waiting:
-        for children in Path("/proc", str(waiting.pop()), "task").glob("*/children"):
-            with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError):  # it has ended
+            for children in Path("/proc", str(waiting.pop()), "task").glob("*/children"):
                 mine = set(map(int, children.read_text().split()))
                 waiting += mine - found
                 found |= mine
