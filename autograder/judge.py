@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from importlib.resources import files
 from itertools import count
 from types import MappingProxyType
@@ -387,7 +387,8 @@ class Session:
             self._worker = None
 
 
-def sources(modules: Sequence[str]) -> dict[str, str]:
+@cache
+def sources(modules: tuple[str, ...]) -> dict[str, str]:
     """The files of mechlib that a submission may import, by name."""
     names = ["__init__", *modules] if modules else []
     return {f"mechlib/{name}.py": files("mechlib").joinpath(f"{name}.py").read_text("utf-8") for name in names}

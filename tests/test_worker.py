@@ -2,6 +2,7 @@
 
 import textwrap
 
+import psutil
 import pytest
 
 from autograder.channel import Value
@@ -100,6 +101,24 @@ def test_random_numbers_are_the_same_in_every_worker(sandbox):
             run(worker, draws)
             found.append(worker.call("draw", seconds=20))
     assert found[0] == found[1]
+
+
+def test_a_worker_that_was_begun_ahead_is_as_fresh_as_any(sandbox):
+    for _ in range(3):
+        sandbox.prepare()
+        with sandbox.worker() as worker:
+            assert run(worker, "assert 'left' not in globals()\nleft = 1\nopen('left', 'x').close()").raised is None
+
+
+def test_a_sandbox_at_rest_holds_no_worker(sandbox):
+    sandbox.rest()
+    there = {process.pid for process in psutil.Process().children(recursive=True)}
+    for _ in range(3):
+        worker = sandbox.worker()
+        sandbox.prepare()
+        sandbox.dismiss(worker)
+    sandbox.rest()
+    assert {process.pid for process in psutil.Process().children(recursive=True)} == there
 
 
 def test_an_allowed_module_is_imported_with_what_it_needs(worker):
