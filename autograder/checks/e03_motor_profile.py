@@ -33,6 +33,11 @@ def joined_at_the_far_end(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
     return polyval(ends[k + 1], rows[k - 1]) - polyval(ends[k + 1], rows[k]) if k else 0.0
 
 
+def ended_where_the_last_does(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
+    """The same from the first piece on, before which there is nothing."""
+    return (polyval(ends[k + 1], rows[k - 1]) if k else 0.0) - polyval(ends[k + 1], rows[k])
+
+
 def own_value_left_in(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
     return polyval(ends[k], rows[k - 1]) if k else 0.0
 
@@ -61,17 +66,22 @@ def undivided(ends, alpha):
     return omega, raised(omega)
 
 
+def shifted(rows: np.ndarray, by: np.ndarray) -> np.ndarray:
+    """Ascending coefficients in t of polynomials in t + by, a row each."""
+    whole = [Polynomial(row)(Polynomial([shift, 1.0])).coef for row, shift in zip(rows, by, strict=False)]
+    return np.array([np.pad(row, (0, rows.shape[1] - len(row))) for row in whole])
+
+
 def in_local_time(ends, alpha):
     """Right, but each row counts the time from the start of its piece."""
-
-    def shifted(rows):
-        own = [Polynomial(row)(Polynomial([start, 1.0])).coef for row, start in zip(rows, ends, strict=False)]
-        return np.array([np.pad(row, (0, rows.shape[1] - len(row))) for row in own])
-
-    return tuple(map(shifted, integrated(ends, alpha)))
+    return tuple(shifted(rows, ends) for rows in integrated(ends, alpha))
 
 
 def read_in_local_time(ends, alpha):
+    return integrated(ends, shifted(alpha, -ends))
+
+
+def all_in_local_time(ends, alpha):
     """What scipy's PPoly makes of the coefficients: to it they are powers of the time since the start of the piece."""
     omega = PPoly(alpha[:, ::-1].T, ends).antiderivative()
     return omega.c[::-1].T, omega.antiderivative().c[::-1].T
@@ -198,6 +208,12 @@ INTEGRATE_PIECES = Task(
             share=0.25,
         ),
         Variant(
+            "The pieces are joined at the wrong end",
+            "At which instant does a piece meet the one before it?",
+            lambda *args: integrated(*args, ended_where_the_last_does, ended_where_the_last_does),
+            share=0.25,
+        ),
+        Variant(
             "The value at the end of the last piece is added, whatever the new piece has there already",
             "At its start the antiderivative of a piece need not be zero. What must its constant make up for?",
             lambda *args: integrated(*args, own_value_left_in, own_value_left_in),
@@ -208,6 +224,12 @@ INTEGRATE_PIECES = Task(
             "The task counts t from the start of the motion in every piece.",
             in_local_time,
             share=0.5,
+        ),
+        Variant(
+            "Acceleration and results are polynomials of the time since the start of the piece",
+            "The task counts t from the start of the motion in every piece. SciPy's PPoly does not.",
+            all_in_local_time,
+            share=0.25,
         ),
         Variant(
             "The acceleration is read as a polynomial of the time since the start of the piece",
@@ -231,6 +253,12 @@ INTEGRATE_PIECES = Task(
             "It is integrated once",
             "The acceleration is the second derivative of the angle.",
             lambda ends, alpha: (alpha, integrated(ends, alpha)[0]),
+            share=0.25,
+        ),
+        Variant(
+            "It is integrated once",
+            "The acceleration is the second derivative of the angle.",
+            lambda ends, alpha: (integrated(ends, alpha)[0],) * 2,
             share=0.25,
         ),
         Variant(
@@ -394,14 +422,14 @@ def printed(*pieces: int) -> Callable:
     return exchanged(theta=lambda T, peak: {k: PRINTED[k](T, peak) for k in pieces})
 
 
-def after(value: Callable) -> Callable:
+def after(value: Callable, late: np.ufunc = np.greater) -> Callable:
     """The profile, with what comes after T exchanged: three columns from t - T and the row at T."""
 
     def profile(t, T, peak):
-        late = np.asarray(t) > T
+        those = late(t, T)
         found = motor_profile(np.append(t, T), T, peak)
         found, end = found[:-1], found[-1]
-        found[late] = np.transpose(np.broadcast_arrays(*value(t[late] - T, end)))
+        found[those] = np.transpose(np.broadcast_arrays(*value(np.asarray(t)[those] - T, end)))
         return found
 
     return profile
@@ -416,9 +444,29 @@ def last_condition_wins(t, T, peak):
     return found
 
 
+def steady_before_the_end(t, T, peak):
+    t, steady = np.asarray(t), 2 * peak * T / 3
+    before = t < T
+    return np.column_stack((0 * t, steady * before, (steady * t - peak * T**2 / 3) * before))
+
+
 def between_two_pieces(t, T, peak):
     gap = np.isin(t, run_up(T, peak)[0][1:4])
     return np.where(gap[:, None], 0.0, motor_profile(t, T, peak))
+
+
+def turned_in_the_third_piece(t, T, peak):
+    """The other sign in the formula of alpha, and in no other."""
+    t, found = np.asarray(t), motor_profile(t, T, peak)
+    found[(t >= 2 * T / 3) & (t < T), 0] *= -1
+    return found
+
+
+def summed_in_steps(t, T, peak):
+    """The sums of a loop, with the value at the end of each step."""
+    step, alpha = np.diff(t, prepend=0), motor_profile(t, T, peak)[:, 0]
+    omega = np.cumsum(alpha * step)
+    return np.column_stack((alpha, omega, np.cumsum(omega * step)))
 
 
 def summed_up(t, T, peak):
@@ -517,9 +565,21 @@ MOTOR_PROFILE = Task(
             share=0.5,
         ),
         Variant(
+            "After T speed and angle are zero",
+            "The motor goes on at the speed it has reached. What does `np.select` give where no condition is true?",
+            after(lambda dt, end: (0, 0, 0 * dt), np.greater_equal),
+            share=0.5,
+        ),
+        Variant(
             "After T speed and angle are not a number",
             "Which condition of the last piece is true after T?",
             after(lambda dt, end: (0, np.nan, np.nan * dt)),
+            share=0.5,
+        ),
+        Variant(
+            "After T speed and angle are not a number",
+            "Which condition of the last piece is true after T?",
+            after(lambda dt, end: (0, np.nan, np.nan * dt), np.greater_equal),
             share=0.5,
         ),
         Variant(
@@ -535,6 +595,12 @@ MOTOR_PROFILE = Task(
             share=0.5,
         ),
         Variant(
+            "After T the angle begins again at zero",
+            "The last piece has a constant of integration, too.",
+            after(lambda dt, end: (0, end[1], end[1] * dt), np.greater_equal),
+            share=0.5,
+        ),
+        Variant(
             "The third piece goes on after T",
             "From T on the acceleration is zero, and not negative.",
             exchanged(alpha=lambda T, peak: {3: [3 * peak, -3 * peak / T]}),
@@ -547,9 +613,20 @@ MOTOR_PROFILE = Task(
             last_condition_wins,
         ),
         Variant(
+            "The last piece is used before T, and nothing after it",
+            "Its condition is true too early. In `np.piecewise` the last condition that is true counts, in `np.select` "
+            "the first.",
+            steady_before_the_end,
+        ),
+        Variant(
             "The acceleration of the third piece has the wrong sign",
             "Put 2T/3 and T into it: it must fall from the peak to zero.",
             exchanged(alpha=lambda T, peak: {2: [-3 * peak, 3 * peak / T]}),
+        ),
+        Variant(
+            "The acceleration of the third piece has the wrong sign",
+            "Put 2T/3 and T into it: it must fall from the peak to zero.",
+            turned_in_the_third_piece,
         ),
         Variant(
             "The fall begins at the peak at t = 0, and not at 2T/3",
@@ -581,6 +658,11 @@ MOTOR_PROFILE = Task(
             ),
         ),
         Variant(
+            "The acceleration rises as if it had all of T, and not a third",
+            "Put T/3 into the first piece: is it the peak?",
+            exchanged(alpha=lambda T, peak: {0: [0, peak / T]}),
+        ),
+        Variant(
             "Degrees where radians are asked for",
             "The peak is in rad/s^2.",
             lambda *args: np.rad2deg(motor_profile(*args)),
@@ -608,6 +690,11 @@ MOTOR_PROFILE = Task(
             "The acceleration is summed up over the instants that are asked for",
             "They may be few, far apart and in any order: use the formulas of the pieces.",
             summed_up,
+        ),
+        Variant(
+            "The acceleration is summed up over the instants that are asked for",
+            "They may be few, far apart and in any order: use the formulas of the pieces.",
+            summed_in_steps,
         ),
         Variant(
             "An instant at which two pieces meet belongs to neither",

@@ -606,9 +606,20 @@ ASSEMBLIES = Task(
             share=0.25,
         ),
         Variant(
+            "r1 is the x of the slider, and not its distance from O",
+            "r1 is the length of the vector from O to the slider, which lies higher than O.",
+            lambda *args: closed(*args, line=lambda x, y: (x, np.arctan2(y, x))),
+            share=0.25,
+        ),
+        Variant(
             "r1 begins at the crank pin, and not at O",
             "r1 = r2 + r3: is the crank in its horizontal component?",
             lambda th2, l: closed(th2, l, line=lambda x, y: polar(x - l[1] * np.cos(th2), y)),
+        ),
+        Variant(
+            "r1 begins at the crank pin, and not at O",
+            "r1 = r2 + r3: is the crank in its horizontal component?",
+            lambda th2, l: closed(th2, l, line=lambda x, y: polar(x - l[1] * np.cos(th2), y - l[1] * np.sin(th2))),
         ),
         Variant(
             "The columns are in the order r1, theta3, theta1",

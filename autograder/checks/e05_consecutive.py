@@ -465,6 +465,14 @@ def cold(residual, jacobian, theta2, seed, tol=1e-6) -> np.ndarray:
     return np.array([one_position(residual, jacobian, u, seed, tol) for u in theta2])
 
 
+def one_step_everywhere(residual, jacobian, theta2, seed, tol=1e-6) -> np.ndarray:
+    """Also at the first point, where the seed is far."""
+    found = [np.asarray(seed, dtype=float)]
+    for u in theta2:
+        found.append(found[-1] - np.linalg.solve(jacobian(found[-1], u), residual(found[-1], u)))
+    return np.array(found[1:])
+
+
 def one_step_each(residual, jacobian, theta2, seed, tol=1e-6) -> np.ndarray:
     found = [one_position(residual, jacobian, theta2[0], seed, tol)]
     for u in theta2[1:]:
@@ -581,6 +589,12 @@ SAW_SWEEP = Task(
             "One step is taken at each point",
             "A small step of the crank needs few iterations. Does one of them reach tol?",
             one_step_each,
+            share=0.25,
+        ),
+        Variant(
+            "One step is taken at each point",
+            "A small step of the crank needs few iterations. Does one of them reach tol?",
+            one_step_everywhere,
             share=0.25,
         ),
         Variant(

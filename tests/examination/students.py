@@ -4,38 +4,8 @@ A student's right solution of each task, in a way of its own, and what is edited
 reference or from the variants of the checks. Edits of two mistakes can be made at once where they do not meet.
 """
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
-
-import numpy as np
-
-Edits = tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True)
-class Student:
-    """A right solution, and the edits that make each known mistake of it."""
-
-    right: str
-    mistakes: dict[str, Edits]
-
-    def written(self, *names: str) -> str | None:
-        """The solution with these mistakes; None where they meet."""
-        text = self.right
-        for name in names:
-            for old, new in self.mistakes[name]:
-                if text.count(old) != 1:
-                    return None
-                text = text.replace(old, new)
-        return text
-
-
-def function(text: str, name: str) -> Callable:
-    space = {"np": np, "math": math}
-    exec(text, space)
-    return space[name]
-
+from examination import students_03, students_04, students_05
+from examination.student import Student
 
 SOLVER = """
 class ConvergenceError(ArithmeticError):
@@ -257,4 +227,7 @@ STUDENTS = {
     "jacobian_fd": JACOBIAN_FD,
     "jacobian_errors": JACOBIAN_ERRORS,
     "basin_map": BASIN_MAP,
+    **students_03.STUDENTS,
+    **students_04.STUDENTS,
+    **students_05.STUDENTS,
 }
