@@ -20,7 +20,7 @@ from autograder.checks.iteration import (
 from autograder.compare import Tolerance
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
 from mechlib.bracket import brackets
-from mechlib.newton import newton_1d, order
+from mechlib.newton import ConvergenceError, newton_1d, order
 
 Function = Callable[[float], float]
 
@@ -265,6 +265,16 @@ def failure_cases(rng: np.random.Generator) -> list[Case]:
     return [*cases, Case((f, df, seed, tol, error, enough - 1), label="one iteration fewer than it takes")]
 
 
+def history_at_the_end(*args):
+    """What there is when the iterations run out, and no word that it is no answer."""
+    try:
+        return iterates(*args)
+    except ConvergenceError as failure:
+        if failure.path.iterations < args[-1]:
+            raise
+        return failure.path.history
+
+
 FAILURES = Task(
     name="failures",
     title="newton_1d says so when there is no convergence",
@@ -280,6 +290,14 @@ FAILURES = Task(
             fails_aloud,
         ),
         Aspect("the message tells the x at which it failed", 1.0, says_where),
+    ),
+    variants=(
+        Variant(
+            "Where the iterations run out, the history is returned",
+            "Whoever calls the function takes what it returns for an answer.",
+            history_at_the_end,
+            share=0.25,
+        ),
     ),
 )
 

@@ -50,9 +50,11 @@ def newton_1d(f, df, seed, tol=1e-10, error="absolute", max_iterations=50):
     while len(xs) <= max_iterations:
         x = xs[-1]
         slope = df(x)
-        if slope == 0 or not np.isfinite(x):
+        if slope == 0:
             raise ConvergenceError(f"no way on from x = {x}")
         new = x - f(x) / slope
+        if not np.isfinite(new):
+            raise ConvergenceError(f"x = {x} leads out of the domain")
         xs.append(new)
         change = abs(new - x)
         if error == "relative":
@@ -75,6 +77,15 @@ def newton_1d(f, df, seed, tol=1e-10, error="absolute", max_iterations=50):
         "The seed is missing from the history": (("return np.array(xs)", "return np.array(xs[1:])"),),
         "The last iterate is missing from the history": (("return np.array(xs)", "return np.array(xs[:-1])"),),
         "The root alone is returned": (("return np.array(xs)", "return xs[-1]"),),
+    },
+)
+
+FAILURES = Student(
+    NEWTON_1D.right,
+    {
+        "Where the iterations run out, the history is returned": (
+            ('    raise ConvergenceError(f"still at x = {xs[-1]}")', "    return np.array(xs)"),
+        ),
     },
 )
 
@@ -222,6 +233,7 @@ def basin_map(residual, jacobian, xs, ys, roots):
 STUDENTS = {
     "brackets": BRACKETS,
     "newton_1d": NEWTON_1D,
+    "failures": FAILURES,
     "order": ORDER,
     "newton": NEWTON,
     "jacobian_fd": JACOBIAN_FD,
