@@ -1,15 +1,17 @@
 """The files that people read, made from the journal; each is replaced whole, so that nobody ever reads half of one."""
 
 import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+
+import psutil
 
 from autograder import report
 from autograder.checks import EXERCISES
 from autograder.judge import Graded
 
+PART = ".part-"  # begins the name of a file that is being written; the number of the process follows
 NO_EXERCISE = "nothing"  # name of the page of a student who handed in no notebook
 
 
@@ -53,6 +55,7 @@ def publish_tables(
     former : set of (student, exercise)
         Whose pages an earlier run may have left.
     """
+    sweep(out)
     for student, exercise in former - {(student, graded.exercise) for student, graded in results}:
         page = page_of(out, student, exercise)
         page.unlink(missing_ok=True)
@@ -68,7 +71,15 @@ def page_of(out: Path, student: str, exercise: str) -> Path:
 
 def write(path: Path, text: str) -> None:
     """Put a file in the place of another, at once."""
-    with tempfile.NamedTemporaryFile("w", encoding="utf-8", newline="", dir=path.parent, delete=False) as file:
-        file.write(text)
-    os.chmod(file.name, 0o644)
-    os.replace(file.name, path)
+    part = path.with_name(f"{PART}{os.getpid()}-{path.name}")
+    part.write_text(text, "utf-8", newline="")
+    os.chmod(part, 0o644)
+    os.replace(part, path)
+
+
+def sweep(out: Path) -> None:
+    """Take away what a run left half written that is no more."""
+    for part in out.rglob(f"{PART}*"):
+        process = part.name.removeprefix(PART).partition("-")[0]
+        if process.isdigit() and not psutil.pid_exists(int(process)):
+            part.unlink(missing_ok=True)

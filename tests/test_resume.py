@@ -14,6 +14,7 @@ from handing_in import GOOD, GOOD_ORDER, ROOT, code, exercise, hand_in
 from autograder import cohort, judge
 from autograder.cohort import grade_cohort
 from autograder.journal import Journal
+from autograder.publish import sweep
 
 SALT = "a pinch"
 NAME = "01_newton_1d"
@@ -202,6 +203,17 @@ def test_two_runs_at_once_on_one_folder_do_no_harm(tmp_path, folder):
     assert [process.wait() for process in both] == [0, 0]
     assert run(folder, tmp_path / "undisturbed").wait() == 0
     assert files(tmp_path / "out") == files(tmp_path / "undisturbed")
+
+
+def test_what_a_killed_run_left_half_written_is_swept_and_what_another_run_is_writing_stays(tmp_path):
+    with subprocess.Popen([sys.executable, "-c", ""]) as ended:
+        pass
+    half, being_written = (tmp_path / "a" / f".part-{pid}-x.html" for pid in (ended.pid, os.getpid()))
+    half.parent.mkdir()
+    half.touch()
+    being_written.touch()
+    sweep(tmp_path)
+    assert [*half.parent.iterdir()] == [being_written]
 
 
 def kill_and_run_again(folder, out, moment):
