@@ -54,7 +54,7 @@ TOGETHER = {  # two mistakes that are a third
     ): "The seed is returned as the first point, and all others are late by one",
 }
 WRITTEN = pytest.mark.parametrize("name", STUDENTS)
-DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(60, marks=pytest.mark.proof)])
+DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark.proof)])
 
 
 @SOLUTIONS
