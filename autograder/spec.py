@@ -95,6 +95,11 @@ class Variant:
     kind: str = "normal"
 
 
+def readings(name: str, advice: str, *functions: Callable, **more: Any) -> tuple[Variant, ...]:
+    """One mistake that can be made in several ways."""
+    return tuple(Variant(name, advice, function, **more) for function in functions)
+
+
 @dataclass(frozen=True)
 class Task:
     """One function that a student writes, and how it is looked at.

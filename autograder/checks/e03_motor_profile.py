@@ -12,7 +12,7 @@ from scipy.interpolate import PPoly
 from autograder.checks.answers import array, refuses
 from autograder.compare import Tolerance, difference, disagreement, numbers
 from autograder.outcome import Lost, Outcome, Raised, Value
-from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
+from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
 from mechlib.motion import MotorProfile
 
 ROUND_OFF = Tolerance(1e-8, "exact integration leaves round-off, some 1e-15 of the scale")
@@ -29,13 +29,13 @@ def forgotten(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
     return 0.0
 
 
-def joined_at_the_far_end(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
-    return polyval(ends[k + 1], rows[k - 1]) - polyval(ends[k + 1], rows[k]) if k else 0.0
-
-
 def ended_where_the_last_does(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
-    """The same from the first piece on, before which there is nothing."""
     return (polyval(ends[k + 1], rows[k - 1]) if k else 0.0) - polyval(ends[k + 1], rows[k])
+
+
+def joined_at_the_far_end(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
+    """The same, but for the first piece, which begins at zero."""
+    return ended_where_the_last_does(k, rows, ends) if k else 0.0
 
 
 def own_value_left_in(k: int, rows: np.ndarray, ends: np.ndarray) -> float:
@@ -201,15 +201,10 @@ INTEGRATE_PIECES = Task(
             lambda *args: integrated(*args, of_omega=forgotten),
             share=0.25,
         ),
-        Variant(
+        *readings(
             "The pieces are joined at the wrong end",
             "At which instant does a piece meet the one before it?",
             lambda *args: integrated(*args, joined_at_the_far_end, joined_at_the_far_end),
-            share=0.25,
-        ),
-        Variant(
-            "The pieces are joined at the wrong end",
-            "At which instant does a piece meet the one before it?",
             lambda *args: integrated(*args, ended_where_the_last_does, ended_where_the_last_does),
             share=0.25,
         ),
@@ -249,15 +244,10 @@ INTEGRATE_PIECES = Task(
             read_in_descending_order,
             share=0.25,
         ),
-        Variant(
+        *readings(
             "It is integrated once",
             "The acceleration is the second derivative of the angle.",
             lambda ends, alpha: (alpha, integrated(ends, alpha)[0]),
-            share=0.25,
-        ),
-        Variant(
-            "It is integrated once",
-            "The acceleration is the second derivative of the angle.",
             lambda ends, alpha: (integrated(ends, alpha)[0],) * 2,
             share=0.25,
         ),
@@ -558,27 +548,17 @@ MOTOR_PROFILE = Task(
             printed(0, 1, 2),
             share=0.5,
         ),
-        Variant(
+        *readings(
             "After T speed and angle are zero",
             "The motor goes on at the speed it has reached. What does `np.select` give where no condition is true?",
             after(lambda dt, end: (0, 0, 0 * dt)),
-            share=0.5,
-        ),
-        Variant(
-            "After T speed and angle are zero",
-            "The motor goes on at the speed it has reached. What does `np.select` give where no condition is true?",
             after(lambda dt, end: (0, 0, 0 * dt), np.greater_equal),
             share=0.5,
         ),
-        Variant(
+        *readings(
             "After T speed and angle are not a number",
             "Which condition of the last piece is true after T?",
             after(lambda dt, end: (0, np.nan, np.nan * dt)),
-            share=0.5,
-        ),
-        Variant(
-            "After T speed and angle are not a number",
-            "Which condition of the last piece is true after T?",
             after(lambda dt, end: (0, np.nan, np.nan * dt), np.greater_equal),
             share=0.5,
         ),
@@ -588,15 +568,10 @@ MOTOR_PROFILE = Task(
             after(lambda dt, end: (0, end[1], end[2] + 0 * dt)),
             share=0.5,
         ),
-        Variant(
+        *readings(
             "After T the angle begins again at zero",
             "The last piece has a constant of integration, too.",
             after(lambda dt, end: (0, end[1], end[1] * dt)),
-            share=0.5,
-        ),
-        Variant(
-            "After T the angle begins again at zero",
-            "The last piece has a constant of integration, too.",
             after(lambda dt, end: (0, end[1], end[1] * dt), np.greater_equal),
             share=0.5,
         ),
@@ -606,26 +581,17 @@ MOTOR_PROFILE = Task(
             exchanged(alpha=lambda T, peak: {3: [3 * peak, -3 * peak / T]}),
             share=0.5,
         ),
-        Variant(
+        *readings(
             "The last piece is used before T, and nothing after it",
             "Its condition is true too early. In `np.piecewise` the last condition that is true counts, in `np.select` "
             "the first.",
             last_condition_wins,
-        ),
-        Variant(
-            "The last piece is used before T, and nothing after it",
-            "Its condition is true too early. In `np.piecewise` the last condition that is true counts, in `np.select` "
-            "the first.",
             steady_before_the_end,
         ),
-        Variant(
+        *readings(
             "The acceleration of the third piece has the wrong sign",
             "Put 2T/3 and T into it: it must fall from the peak to zero.",
             exchanged(alpha=lambda T, peak: {2: [-3 * peak, 3 * peak / T]}),
-        ),
-        Variant(
-            "The acceleration of the third piece has the wrong sign",
-            "Put 2T/3 and T into it: it must fall from the peak to zero.",
             turned_in_the_third_piece,
         ),
         Variant(
@@ -650,16 +616,12 @@ MOTOR_PROFILE = Task(
             exchanged(of_theta=forgotten),
             share=0.25,
         ),
-        Variant(
+        *readings(
             "The acceleration rises as if it had all of T, and not a third",
             "Put T/3 into the first piece: is it the peak?",
             exchanged(
                 alpha=lambda T, peak: {0: [0, peak / T], 2: [peak, -peak / T]},
             ),
-        ),
-        Variant(
-            "The acceleration rises as if it had all of T, and not a third",
-            "Put T/3 into the first piece: is it the peak?",
             exchanged(alpha=lambda T, peak: {0: [0, peak / T]}),
         ),
         Variant(
@@ -686,14 +648,10 @@ MOTOR_PROFILE = Task(
             lambda *args: motor_profile(*args).T,
             share=0.5,
         ),
-        Variant(
+        *readings(
             "The acceleration is summed up over the instants that are asked for",
             "They may be few, far apart and in any order: use the formulas of the pieces.",
             summed_up,
-        ),
-        Variant(
-            "The acceleration is summed up over the instants that are asked for",
-            "They may be few, far apart and in any order: use the formulas of the pieces.",
             summed_in_steps,
         ),
         Variant(

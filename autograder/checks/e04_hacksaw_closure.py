@@ -8,7 +8,7 @@ import numpy as np
 from autograder.checks.answers import array
 from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
 from autograder.outcome import Outcome, Raised, Value
-from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant
+from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
 
 
 def slanted(rng: np.random.Generator) -> float:
@@ -599,26 +599,17 @@ ASSEMBLIES = Task(
             share=0.75,
             kind="long",
         ),
-        Variant(
+        *readings(
             "r1 is the x of the slider, and not its distance from O",
             "r1 is the length of the vector from O to the slider, which lies higher than O.",
             lambda *args: closed(*args, line=lambda x, y: (abs(x), np.arctan2(y, x))),
-            share=0.25,
-        ),
-        Variant(
-            "r1 is the x of the slider, and not its distance from O",
-            "r1 is the length of the vector from O to the slider, which lies higher than O.",
             lambda *args: closed(*args, line=lambda x, y: (x, np.arctan2(y, x))),
             share=0.25,
         ),
-        Variant(
+        *readings(
             "r1 begins at the crank pin, and not at O",
             "r1 = r2 + r3: is the crank in its horizontal component?",
             lambda th2, l: closed(th2, l, line=lambda x, y: polar(x - l[1] * np.cos(th2), y)),
-        ),
-        Variant(
-            "r1 begins at the crank pin, and not at O",
-            "r1 = r2 + r3: is the crank in its horizontal component?",
             lambda th2, l: closed(th2, l, line=lambda x, y: polar(x - l[1] * np.cos(th2), y - l[1] * np.sin(th2))),
         ),
         Variant(
