@@ -16,11 +16,17 @@ from collections.abc import Callable
 from functools import partial
 from typing import NoReturn
 
-from . import harden, probe
+from . import harden, pages, probe
 
 GIB = 1 << 30
 HIDDEN_FROM_WORKERS = ("/proc", "/worker", "/parent", "/dev/shm")  # in a namespace of the worker's own
 DESCRIPTORS = 3
+REHEARSED = (  # what cells do in any notebook of the course
+    "import matplotlib.pyplot as plt\nimport numpy as np",
+    "def residual(x):\n    return np.array([x[0] ** 2 - 2.0])\n\nresidual(np.ones(1))",
+    "1 / 0",
+    "figure, axes = plt.subplots()\naxes.plot([0, 1], label='$x$')\naxes.set(xlabel='x')\naxes.legend()\nplt.show()",
+)
 
 
 def main() -> None:
@@ -30,7 +36,7 @@ def main() -> None:
     _, (file,), _, _ = socket.recv_fds(control, 1 << 8, 1)
     with open(file) as plan:
         plan = json.load(plan)
-    work = answering() if plan["probe"] is None else trying(plan["probe"])
+    work, rehearse = answering() if plan["probe"] is None else trying(plan["probe"])
     threads = len(os.listdir("/proc/self/task"))
     if threads != 1:
         sys.exit(f"the parent has {threads} threads, and only one of them would survive a fork")
@@ -39,6 +45,7 @@ def main() -> None:
     sys.stdout.flush()  # or every worker would print what is waiting here
     sys.stderr.flush()
     gc.freeze()
+    plan["written"] = pages.written_by(rehearse)
     read, listed = plan.pop("around_hidden")
     if not plan["namespaces"]:  # there, mounts hide the hidden, and Landlock would forbid the mounts still to be made
         harden.landlock(read, listed, [plan["folder"], "/dev/null"])
@@ -56,18 +63,24 @@ def main() -> None:
             os.close(fd)
 
 
-def trying(canary: str) -> Callable[[], None]:
+Work = tuple[Callable[[], None], Callable[[], None]]  # and its rehearsal, which reads no question
+
+
+def trying(canary: str) -> Work:
     """The work of a probe."""
-    return lambda: os.write(2, probe.report(canary).encode())
+    return lambda: os.write(2, probe.report(canary).encode()), lambda: None
 
 
-def answering() -> Callable[[], None]:
+def answering() -> Work:
     """The work of a worker, with all that it imports."""
     notebook = warm()
     from . import serve
 
     serve.forget_ourselves()
-    return lambda: serve.Server(*serve.private_descriptors(), notebook).serve()
+    return (
+        lambda: serve.Server(*serve.private_descriptors(), notebook).serve(),
+        lambda: [notebook.run(cell) for cell in REHEARSED],
+    )
 
 
 def warm():
@@ -121,6 +134,7 @@ def run(plan, folder, descriptors, work) -> NoReturn:
     try:
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         gc.enable()
+        pages.copy(plan["written"])
         settle(plan, folder, descriptors)
         work()
     except BaseException as error:
