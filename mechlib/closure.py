@@ -7,7 +7,7 @@ The equations F(q, u) = 0 tie the unknowns q to the input u. Their time derivati
 with the same matrix J: once the position is known, a linear solve gives the velocity, and another the acceleration.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -15,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
+
+from mechlib import cramer
 
 
 class OpenLoopError(ValueError):
@@ -88,6 +90,24 @@ class Closure:
         """Of the position equations by the positions; the velocity and acceleration equations have it too."""
         return self.position_equations.jacobian([q.position for q in self.unknowns])
 
+    @cached_property
+    def angles(self) -> tuple[bool, ...]:
+        """Which unknowns are angles: a whole turn of them changes no equation."""
+        equations = self.position_equations
+        return tuple(equations.subs(q.position, q.position + 2 * sp.pi) == equations for q in self.unknowns)
+
+    @cached_property
+    def simultaneous_equations(self) -> sp.Matrix:
+        """The equations of position, velocity and acceleration, as one system."""
+        return sp.Matrix.vstack(self.position_equations, self.velocity_equations, self.acceleration_equations)
+
+    @cached_property
+    def simultaneous_jacobian(self) -> sp.Matrix:
+        """By all positions, then all velocities, then all accelerations: J in the diagonal, and nothing above it."""
+        return self.simultaneous_equations.jacobian(
+            [symbol for order in zip(*self.unknowns, strict=True) for symbol in order]
+        )
+
     def _time_derivative(self, equations: sp.Matrix) -> sp.Matrix:
         """The chain rule: a position changes at its velocity, and a velocity at its acceleration."""
         total = sp.zeros(*equations.shape)
@@ -99,6 +119,7 @@ class Closure:
     def _functions(self) -> dict[str, Callable]:
         positions, velocities, accelerations = (list(symbols) for symbols in zip(*self.unknowns, strict=True))
         u, du, ddu = self.input
+        state = (*positions, *velocities, *accelerations, *self.input)
         at_rest = dict.fromkeys(velocities, 0)
         unaccelerated = dict.fromkeys(accelerations, 0)
         return {
@@ -109,7 +130,23 @@ class Closure:
                 (*positions, *velocities, u, du, ddu, *self.parameters),
                 self.acceleration_equations.subs(unaccelerated),
             ),
+            "newton": _compiled((*positions, u, *self.parameters), self._newton_system),
+            "simultaneous residual": _compiled((*state, *self.parameters), self.simultaneous_equations),
+            "simultaneous jacobian": _compiled((*state, *self.parameters), self.simultaneous_jacobian),
         }
+
+    @cached_property
+    def _newton_system(self) -> sp.Matrix:
+        """Jacobian and residual side by side: they share most of their sines."""
+        return sp.Matrix.hstack(self.jacobian, self.position_equations)
+
+    @cached_property
+    def _step_at_one_point(self) -> Callable[..., list[float]]:
+        """The step of Newton-Raphson by Cramer's rule in floats: much faster than in arrays that hold one number."""
+        arguments = (*(q.position for q in self.unknowns), self.input.position, *self.parameters)
+        determinant, adjugate = cramer.adjugate(self.jacobian.tolist())
+        step = [d / determinant for d in cramer.times(adjugate, list(self.position_equations))]
+        return sp.lambdify(arguments, step, "math", cse=True)
 
     def loop(self, *parameters: float) -> "Loop":
         """The closure with numbers for its parameters, in their order."""
@@ -139,6 +176,28 @@ class Loop:
         """J(q, u) = dF/dq; shapes (..., n), (...) -> (..., n, n)."""
         return self._call("jacobian", *_columns(q), u)
 
+    def newton_step(self, q: ArrayLike, u: ArrayLike) -> np.ndarray:
+        """The step J d = F of Newton-Raphson, to be taken back from q; not finite where J is singular.
+
+        Parameters
+        ----------
+        q : array_like, shape (..., n)
+            n at most 3.
+        u : array_like, shape (...)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        rows = np.moveaxis(self._call("newton", *_columns(q), u), (-2, -1), (0, 1))
+        determinant, adjugate = cramer.adjugate(rows[:, :-1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.moveaxis(np.array(cramer.times(adjugate, rows[:, -1])) / determinant, 0, -1)
+
+    def newton_step_at(self, q: Sequence[float], u: float) -> list[float]:
+        """`newton_step` at one point, in plain floats; ZeroDivisionError where J is singular."""
+        return self.closure._step_at_one_point(*q, u, *self.parameters)
+
     def velocity(self, q: ArrayLike, u: ArrayLike, du: ArrayLike) -> np.ndarray:
         """Velocities of the unknowns at a closed position, from J q' = -F_u u'.
 
@@ -158,7 +217,7 @@ class Loop:
         ZeroDivisionError
             In a singular position, where the velocity is not determined; the sentence says at which point.
         """
-        return self._solve(q, u, self._call("drive", *_columns(q), u, du))
+        return self._solver(q, u)(self._call("drive", *_columns(q), u, du))
 
     def acceleration(self, q: ArrayLike, v: ArrayLike, u: ArrayLike, du: ArrayLike, ddu: ArrayLike) -> np.ndarray:
         """Accelerations of the unknowns at a closed position, from J q'' = -gamma.
@@ -179,20 +238,73 @@ class Loop:
         ZeroDivisionError
             In a singular position; the sentence says at which point.
         """
-        return self._solve(q, u, self._call("gamma", *_columns(q), *_columns(v), u, du, ddu))
+        return self._solver(q, u)(self._call("gamma", *_columns(q), *_columns(v), u, du, ddu))
+
+    def simultaneous_residual(self, state: ArrayLike, u: ArrayLike, du: ArrayLike, ddu: ArrayLike) -> np.ndarray:
+        """All 3n equations at once.
+
+        Parameters
+        ----------
+        state : array_like, shape (..., 3n)
+            Positions, velocities and accelerations of the unknowns, in this order.
+        u, du, ddu : array_like, shape (...)
+            The input, its velocity and its acceleration.
+
+        Returns
+        -------
+        ndarray, shape (..., 3n)
+
+        References
+        ----------
+        Source A, section 5.2.2.
+        """
+        return self._call("simultaneous residual", *_columns(state), u, du, ddu)[..., 0]
+
+    def simultaneous_jacobian(self, state: ArrayLike, u: ArrayLike, du: ArrayLike, ddu: ArrayLike) -> np.ndarray:
+        """Derivatives of all 3n equations by all 3n unknowns; arguments as for `simultaneous_residual`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3n, 3n)
+
+        References
+        ----------
+        Source A, appendix D.
+        """
+        return self._call("simultaneous jacobian", *_columns(state), u, du, ddu)
+
+    def rates(self, q: ArrayLike, u: ArrayLike, du: ArrayLike, ddu: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """`velocity` and `acceleration`, of many points: the matrix that they share is computed once.
+
+        Raises
+        ------
+        ZeroDivisionError
+            In a singular position; the sentence says at which point.
+        """
+        solve = self._solver(q, u)
+        v = solve(self._call("drive", *_columns(q), u, du))
+        return v, solve(self._call("gamma", *_columns(q), *_columns(v), u, du, ddu))
 
     def _call(self, name: str, *arguments: ArrayLike) -> np.ndarray:
         return self.closure._functions[name](*arguments, *self.parameters)
 
-    def _solve(self, q: ArrayLike, u: ArrayLike, known: np.ndarray) -> np.ndarray:
-        jacobian = self.jacobian(q, u)
-        bound = np.linalg.norm(jacobian, axis=-1).prod(axis=-1)  # Hadamard: no determinant is larger
-        singular = np.abs(np.linalg.det(jacobian)) <= len(self.closure.unknowns) * np.finfo(float).eps * bound
+    def _solver(self, q: ArrayLike, u: ArrayLike) -> Callable[[np.ndarray], np.ndarray]:
+        """What solves J x + known = 0 at these points."""
+        rows = np.moveaxis(self.jacobian(q, u), (-2, -1), (0, 1))
+        determinant, adjugate = cramer.adjugate(rows)
+        bound = np.sqrt((rows**2).sum(axis=1)).prod(axis=0)  # Hadamard: no determinant is larger
+        singular = np.abs(determinant) <= len(rows) * np.finfo(float).eps * bound
         if singular.any():
             point = int(np.flatnonzero(singular)[0])
             where = f"{self.closure.input.position} = {np.broadcast_to(u, singular.shape).flat[point]:.6g}"
             raise ZeroDivisionError(f"singular position at point {point}, {where}: no velocity is determined")
-        return np.linalg.solve(jacobian, -known)[..., 0]
+
+        def solve(known: np.ndarray) -> np.ndarray:
+            return np.moveaxis(
+                np.array(cramer.times(adjugate, np.moveaxis(known[..., 0], -1, 0))) / -determinant, 0, -1
+            )
+
+        return solve
 
 
 def _columns(q: ArrayLike) -> list[np.ndarray]:
@@ -206,9 +318,9 @@ def _compiled(arguments: tuple[sp.Symbol, ...], matrix: sp.Matrix) -> Callable[.
     entries = sp.lambdify(arguments, list(matrix), "numpy", cse=True)
 
     def function(*values: ArrayLike) -> np.ndarray:
-        out = np.empty((*np.broadcast(*values).shape, len(matrix)))
+        out = np.empty((*matrix.shape, *np.broadcast(*values).shape))  # each entry in one piece, over the points
         for k, entry in enumerate(entries(*values)):
-            out[..., k] = entry
-        return out.reshape(*out.shape[:-1], *matrix.shape)
+            out[divmod(k, matrix.cols)] = entry
+        return np.moveaxis(out, (0, 1), (-2, -1))
 
     return function

@@ -125,6 +125,50 @@ class Hacksaw:
         x = self.r2 * np.cos(theta2) + self.r3 * np.cos(theta3)
         return np.stack((side * np.hypot(x, self.r1y), np.arctan2(side * self.r1y, side * x), theta3), axis=-1)
 
+    def closed_form(
+        self, theta2: ArrayLike, omega2: ArrayLike, alpha2: ArrayLike, branch: Branch = "left"
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Position, velocity and acceleration in closed form: no iteration, and no system of equations.
+
+        Parameters
+        ----------
+        theta2, omega2, alpha2 : array_like, shape (...)
+            Angle of the crank in rad, its angular velocity and acceleration.
+        branch : {"left", "right"}
+
+        Returns
+        -------
+        position, velocity, acceleration : ndarray, shape (..., 3)
+            Of r1, theta1, theta3, in m, rad and s.
+
+        Raises
+        ------
+        ValueError, OpenLoopError
+            As for `position`.
+        ZeroDivisionError
+            Where the coupler stands upright and the velocities are not determined.
+
+        References
+        ----------
+        Source A, section 5.3.
+        """
+        q = self.position(theta2, branch)
+        r1, theta1, theta3 = np.moveaxis(q, -1, 0)
+        across, up = np.cos(theta3), np.sin(theta3)
+        if (across == 0).any():
+            raise ZeroDivisionError("the coupler stands upright: no velocity is determined")
+        c2, s2 = self.r2 * np.cos(theta2), self.r2 * np.sin(theta2)
+        across, up = self.r3 * across, self.r3 * up
+        omega3 = -omega2 * c2 / across
+        alpha3 = (up * omega3**2 + s2 * omega2**2 - c2 * alpha2) / across
+        # the slider runs along x; r1 turns, so that its parts along x and across are those of polar coordinates
+        dx = -s2 * omega2 - up * omega3
+        ddx = -c2 * omega2**2 - s2 * alpha2 - across * omega3**2 - up * alpha3
+        cos1, sin1 = np.cos(theta1), np.sin(theta1)
+        v_r, omega1 = dx * cos1, -dx * sin1 / r1
+        a_r, alpha1 = ddx * cos1 + r1 * omega1**2, -(ddx * sin1 + 2 * v_r * omega1) / r1
+        return q, np.stack((v_r, omega1, omega3), axis=-1), np.stack((a_r, alpha1, alpha3), axis=-1)
+
     def branch(self, q: ArrayLike) -> np.ndarray:
         """The assembly branch of closed positions: "left" where the coupler points to the left.
 

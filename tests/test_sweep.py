@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from mechlib.batched import batched
 from mechlib.closure import OpenLoopError
 from mechlib.hacksaw import Hacksaw
 from mechlib.motion import Motion, MotorProfile
 from mechlib.newton import ConvergenceError, newton
-from mechlib.sweep import consecutive
+from mechlib.sweep import consecutive, simultaneous
 
 SEED = [-0.1, -0.5, 3.0]  # source A, eq. (16)
 R1Y, R2, R3 = 0.045, 0.075, 0.170
@@ -142,22 +143,63 @@ def test_the_seed_chooses_the_branch_of_the_whole_sweep(saw):
         np.testing.assert_allclose(found.position, saw.position(motion.position, branch), atol=1e-9)
 
 
-def test_a_sweep_that_leaves_its_branch_is_refused_at_the_point(saw):
-    """The crank is turned half round between two points: the last position is no seed for the next."""
+def test_a_sweep_whose_last_position_is_no_seed_goes_on_from_an_earlier_one_or_is_refused_at_the_point():
+    """Great turns of the crank between two points, close to the singular position."""
     saw = Hacksaw(r1y=0.045, r2=0.075, r3=0.121)
     rng = np.random.default_rng(3)
-    refused = 0
+    astray, refused = 0, 0
     for _ in range(200):
         angles = np.cumsum(rng.uniform(0, 3, 8))
-        motion = Motion(np.arange(8.0), angles, np.ones(8), np.zeros(8))
+        motion, built = Motion(np.arange(8.0), angles, np.ones(8), np.zeros(8)), saw.position(angles)
+        ends = [iterated(saw, u, q) for u, q in zip(angles[1:], built[:-1], strict=True)]
+        astray += np.nanmax(np.abs(ends - built[1:])) > 1e-6 or bool(np.isnan(ends).any())
         try:
-            found = consecutive(saw, motion, saw.position(angles[0]))
+            found = consecutive(saw, motion, built[0], tol=1e-9)
         except ConvergenceError as why:
             refused += 1
             assert str(why).startswith("point ")
         else:
-            assert (saw.branch(found.position) == "left").all()
-    assert refused > 10
+            np.testing.assert_allclose(found.position, built, atol=1e-9)
+    assert astray > 50
+    assert 0 < refused < astray / 2
+
+
+def iterated(saw, u, seed):
+    """A position from this one seed, wherever it leads."""
+    try:
+        return newton(lambda q: saw.loop.residual(q, u), lambda q: saw.loop.jacobian(q, u), seed).root
+    except ConvergenceError:
+        return np.full(3, np.nan)
+
+
+SWEEPS = pytest.mark.parametrize(
+    ("sweep", "seed"),
+    [(consecutive, SEED), (simultaneous, SEED + [0.0] * 6), (batched, SEED)],
+    ids=lambda x: getattr(x, "__name__", ""),
+)
+
+
+@SWEEPS
+def test_behind_the_points_that_cannot_close_a_sweep_stays_on_its_branch_and_gives_no_number_for_them(sweep, seed):
+    """Coupler of 100 mm: the loop is open at 181 of the 1000 points; peers go on along the other branch behind them."""
+    saw, motion = Hacksaw(r3=0.10), profile_points()
+    found = sweep(saw, motion, seed, tol=1e-9, open_points="leave out")
+    open_by = np.abs(R1Y - R2 * np.sin(motion.position)) - 0.10
+    assert found.open_points.tolist() == np.flatnonzero(open_by > 0).tolist()
+    assert len(found.open_points) == 181
+    closed = open_by <= 0
+    for numbers in (found.position, found.velocity, found.acceleration):
+        assert np.isnan(numbers[~closed]).all()
+        assert np.isfinite(numbers[closed]).all()
+    exact = saw.position(motion.position[closed], "left")
+    away = np.abs(np.cos(exact[:, 2]))  # near the singular position an angle is known to less
+    assert (np.abs(found.position[closed] - exact).max(axis=1) * away < 1e-12).all()
+
+
+@SWEEPS
+def test_a_motion_along_which_the_loop_closes_nowhere_is_refused(sweep, seed):
+    with pytest.raises(OpenLoopError, match="999 other points"):
+        sweep(Hacksaw(r3=0.01, r2=0.01), profile_points(), seed, open_points="leave out")
 
 
 def test_a_loop_that_cannot_close_is_refused_before_anything_is_solved():
@@ -174,13 +216,71 @@ def test_a_loop_that_cannot_close_is_refused_before_anything_is_solved():
         ({"seed": [np.nan, 0, 0]}, "seed must be finite, got nan at index 0"),
         ({"tol": 0.0}, "tol must be positive, got 0.0"),
         ({"max_iterations": 0}, "max_iterations must be positive, got 0"),
+        ({"open_points": "drop"}, "open_points must be 'refuse' or 'leave out', got 'drop'"),
     ],
 )
-def test_a_sweep_that_cannot_be_is_refused_with_the_value(saw, change, says):
+@SWEEPS
+def test_a_sweep_that_cannot_be_is_refused_with_the_value(saw, sweep, seed, change, says):
     with pytest.raises(ValueError, match=says):
-        consecutive(saw, profile_points(3), **{"seed": SEED, **change})
+        sweep(saw, profile_points(200), **{"seed": seed, **change})
 
 
 def test_a_position_that_is_not_found_is_told_with_its_point(saw):
     with pytest.raises(ConvergenceError, match=r"^point 0, t = 0 s: no root after 2 iterations"):
         consecutive(saw, profile_points(3), SEED, max_iterations=2)
+
+
+# --- the simultaneous solver ------------------------------------------------------------------------------------------
+
+
+def test_source_a_at_rest_takes_5_iterations_of_the_simultaneous_solver(saw):
+    """Its seed vector; the programs have the last six with opposite signs, and as many iterations."""
+    rest, first = Motion([0.0], [0.0], [0.0], [0.0]), [-0.1, -0.5, 3.0, 0.5, 0, -0.5, 0.5, 0, -0.5]
+    for signs in (1, -1):
+        found = simultaneous(saw, rest, [*first[:3], *(signs * x for x in first[3:])])
+        assert found.iterations.tolist() == [5]
+        assert [f"{x:.6f}" for x in found.position[0]] == ["-0.099672", "-0.468422", "2.873694"]
+        assert np.abs([found.velocity, found.acceleration]).max() < 1e-9
+
+
+@pytest.fixture(scope="module")
+def together(saw):
+    return simultaneous(saw, profile_points(), [-0.0997, -0.4684, 2.8737] + [0.0] * 6)
+
+
+def test_source_a_figure_13_the_two_solvers_differ_by_some_1e_12(swept, together):
+    nine = [np.hstack((s.position, s.velocity, s.acceleration)) for s in (swept, together)]
+    differences = np.linalg.norm(nine[0] - nine[1], axis=1)
+    assert 1e-13 < differences.max() < 2e-11  # 1.7e-12 is verified; a factor of ten for another processor
+
+
+def test_source_a_figure_11_the_simultaneous_error_stays_below_the_tolerance_and_is_usually_the_larger(swept, together):
+    assert together.errors.max() < 1e-6
+    more = swept.iterations != together.iterations
+    assert np.mean(together.errors > swept.errors) > 0.7
+    assert more.sum() > 0
+
+
+def test_the_simultaneous_solver_takes_2_to_4_iterations_a_point(together):
+    counts = np.bincount(together.iterations, minlength=5)
+    assert counts[:2].sum() == 0
+    np.testing.assert_allclose(counts[2:], [16, 945, 39], atol=3)  # rounding may decide a step near the tolerance
+
+
+def test_source_a_figures_15_to_17_both_solvers_against_the_closed_form(saw, swept, together):
+    motion = swept.motion
+    exact = saw.closed_form(motion.position, motion.velocity, motion.acceleration)
+    names = ("position", "velocity", "acceleration")
+    for name, right, bound in zip(names, exact, (1e-14, 1e-14, 1e-13), strict=True):
+        assert np.abs(getattr(together, name) - right).max() < 10 * bound  # round-off: within a factor of ten
+    assert np.abs(swept.position - exact[0]).max() < 1e-11  # the square of the tolerance
+
+
+def test_the_closed_form_gives_the_rates_of_the_linear_solves(saw):
+    rng = np.random.default_rng(2)
+    for branch in ("left", "right"):
+        theta2, omega2, alpha2 = rng.normal(scale=5, size=(3, 400))
+        q, v, a = saw.closed_form(theta2, omega2, alpha2, branch)
+        np.testing.assert_array_equal(q, saw.position(theta2, branch))
+        for mine, theirs in zip((v, a), saw.loop.rates(q, theta2, omega2, alpha2), strict=True):
+            np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-12 * np.abs(theirs).max())
