@@ -11,7 +11,7 @@ from mechlib.motion import Motion
 from mechlib.newton import ConvergenceError, Iteration
 from mechlib.sweep import Mechanism, OpenPoints, Sweep, closed_points, consecutive, follow
 
-COARSE = 48  # points of the first coarse sweep
+COARSE = 24  # points of the first coarse sweep
 FINER = 8  # times as many where they were too few
 BLOCK = 1 << 13  # points at a time: what is worked on stays small, and near the processor
 LEAP = 0.25  # of the range of an unknown, where the velocities lead elsewhere

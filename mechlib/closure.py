@@ -130,23 +130,22 @@ class Closure:
                 (*positions, *velocities, u, du, ddu, *self.parameters),
                 self.acceleration_equations.subs(unaccelerated),
             ),
-            "newton": _compiled((*positions, u, *self.parameters), self._newton_system),
+            "newton step": _compiled((*positions, u, *self.parameters), self._newton_step),
             "simultaneous residual": _compiled((*state, *self.parameters), self.simultaneous_equations),
             "simultaneous jacobian": _compiled((*state, *self.parameters), self.simultaneous_jacobian),
         }
 
     @cached_property
-    def _newton_system(self) -> sp.Matrix:
-        """Jacobian and residual side by side: they share most of their sines."""
-        return sp.Matrix.hstack(self.jacobian, self.position_equations)
+    def _newton_step(self) -> sp.Matrix:
+        """J d = F by Cramer's rule, in symbols: most of it cancels or is shared."""
+        determinant, adjugate = cramer.adjugate(self.jacobian.tolist())
+        return sp.Matrix(cramer.times(adjugate, list(self.position_equations))) / determinant
 
     @cached_property
     def _step_at_one_point(self) -> Callable[..., list[float]]:
-        """The step of Newton-Raphson by Cramer's rule in floats: much faster than in arrays that hold one number."""
+        """The same of floats: much faster than of arrays that hold one number."""
         arguments = (*(q.position for q in self.unknowns), self.input.position, *self.parameters)
-        determinant, adjugate = cramer.adjugate(self.jacobian.tolist())
-        step = [d / determinant for d in cramer.times(adjugate, list(self.position_equations))]
-        return sp.lambdify(arguments, step, "math", cse=True)
+        return sp.lambdify(arguments, list(self._newton_step), "math", cse=True)
 
     def loop(self, *parameters: float) -> "Loop":
         """The closure with numbers for its parameters, in their order."""
@@ -189,10 +188,8 @@ class Loop:
         -------
         ndarray, shape (..., n)
         """
-        rows = np.moveaxis(self._call("newton", *_columns(q), u), (-2, -1), (0, 1))
-        determinant, adjugate = cramer.adjugate(rows[:, :-1])
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.moveaxis(np.array(cramer.times(adjugate, rows[:, -1])) / determinant, 0, -1)
+            return self._call("newton step", *_columns(q), u)[..., 0]
 
     def newton_step_at(self, q: Sequence[float], u: float) -> list[float]:
         """`newton_step` at one point, in plain floats; ZeroDivisionError where J is singular."""

@@ -199,7 +199,23 @@ def follow(
     ConvergenceError
         If a point is not found, or only on another branch or turn; says which.
     """
-    seed, loop = require.finite("seed", seed), mechanism.loop
+    seed, paths = require.finite("seed", seed), []
+    try:
+        for k in points:
+            paths.append(solve(k, paths[-1].root if paths else seed))
+    except ConvergenceError:
+        return _follow_with_care(mechanism, motion, closed, points, solve, seed)
+    n, angles = len(mechanism.loop.closure.unknowns), np.flatnonzero(mechanism.loop.closure.angles)
+    q = np.array([path.root[:n] for path in paths])
+    branches, turned = mechanism.branch(q), np.abs(np.diff(q[:, angles], axis=0)).max(initial=0)
+    if (branches == branches[0]).all() and turned < np.pi / 2 and closed[points[0] : points[-1]].all():
+        return paths
+    return _follow_with_care(mechanism, motion, closed, points, solve, seed)
+
+
+def _follow_with_care(mechanism, motion, closed, points, solve, seed) -> list[Iteration]:
+    """`follow`, with a look at each point before the next."""
+    loop = mechanism.loop
     n, angles = len(loop.closure.unknowns), np.flatnonzero(loop.closure.angles)
     paths, branch, side = [], None, None
     for k in points:
