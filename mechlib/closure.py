@@ -79,11 +79,11 @@ class Closure:
 
     @cached_property
     def velocity_equations(self) -> sp.Matrix:
-        return self._time_derivative(self.position_equations)
+        return self.time_derivative(self.position_equations)
 
     @cached_property
     def acceleration_equations(self) -> sp.Matrix:
-        return self._time_derivative(self.velocity_equations)
+        return self.time_derivative(self.velocity_equations)
 
     @cached_property
     def jacobian(self) -> sp.Matrix:
@@ -108,7 +108,7 @@ class Closure:
             [symbol for order in zip(*self.unknowns, strict=True) for symbol in order]
         )
 
-    def _time_derivative(self, equations: sp.Matrix) -> sp.Matrix:
+    def time_derivative(self, equations: sp.Matrix) -> sp.Matrix:
         """The chain rule: a position changes at its velocity, and a velocity at its acceleration."""
         total = sp.zeros(*equations.shape)
         for q in (*self.unknowns, self.input):
@@ -123,16 +123,16 @@ class Closure:
         at_rest = dict.fromkeys(velocities, 0)
         unaccelerated = dict.fromkeys(accelerations, 0)
         return {
-            "residual": _compiled((*positions, u, *self.parameters), self.position_equations),
-            "jacobian": _compiled((*positions, u, *self.parameters), self.jacobian),
-            "drive": _compiled((*positions, u, du, *self.parameters), self.velocity_equations.subs(at_rest)),
-            "gamma": _compiled(
+            "residual": compiled((*positions, u, *self.parameters), self.position_equations),
+            "jacobian": compiled((*positions, u, *self.parameters), self.jacobian),
+            "drive": compiled((*positions, u, du, *self.parameters), self.velocity_equations.subs(at_rest)),
+            "gamma": compiled(
                 (*positions, *velocities, u, du, ddu, *self.parameters),
                 self.acceleration_equations.subs(unaccelerated),
             ),
-            "newton step": _compiled((*positions, u, *self.parameters), self._newton_step),
-            "simultaneous residual": _compiled((*state, *self.parameters), self.simultaneous_equations),
-            "simultaneous jacobian": _compiled((*state, *self.parameters), self.simultaneous_jacobian),
+            "newton step": compiled((*positions, u, *self.parameters), self._newton_step),
+            "simultaneous residual": compiled((*state, *self.parameters), self.simultaneous_equations),
+            "simultaneous jacobian": compiled((*state, *self.parameters), self.simultaneous_jacobian),
         }
 
     @cached_property
@@ -310,7 +310,7 @@ def _columns(q: ArrayLike) -> list[np.ndarray]:
     return [q[..., i] for i in range(q.shape[-1])]
 
 
-def _compiled(arguments: tuple[sp.Symbol, ...], matrix: sp.Matrix) -> Callable[..., np.ndarray]:
+def compiled(arguments: tuple[sp.Symbol, ...], matrix: sp.Matrix) -> Callable[..., np.ndarray]:
     """A function of arrays that gives the matrix at every point; an entry may be constant."""
     entries = sp.lambdify(arguments, list(matrix), "numpy", cse=True)
 

@@ -1,0 +1,226 @@
+"""Inverse dynamics of a mechanism along a motion: the torque that drives it, and the forces in its joints."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Protocol
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from mechlib import require
+from mechlib.closure import compiled
+from mechlib.rigidbody import Point, RigidBodies
+from mechlib.sweep import Mechanism, Sweep
+
+
+class Machine(Mechanism, Protocol):
+    """A mechanism with masses, and with points that have names."""
+
+    rigid: RigidBodies
+    symbols: dict[str, tuple[sp.Expr, sp.Expr]]
+    parameters: tuple[sp.Symbol, ...]
+    constants: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A point of a mechanism along a motion.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : ndarray, shape (points, 2)
+        m, m/s, m/s^2.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+@dataclass(frozen=True)
+class Reactions:
+    """What inverse dynamics finds.
+
+    Attributes
+    ----------
+    torque : ndarray, shape (points,)
+        Of the motor, N m.
+    forces : dict of str to ndarray, shape (points, 2)
+        By the name of the joint: the force on the body that its `Joint` names first, N.
+    """
+
+    torque: np.ndarray
+    forces: dict[str, np.ndarray]
+
+
+def trace(machine: Machine, sweep: Sweep, point: str) -> Trace:
+    """Position, velocity and acceleration of a point by its name.
+
+    Raises
+    ------
+    KeyError
+        If the mechanism has no such point.
+    """
+    return _trace(machine, sweep, machine.symbols[point])
+
+
+def friction(velocity: ArrayLike, size: float, v0: float = 0.0) -> np.ndarray:
+    """Dry friction: a force of constant size against the velocity.
+
+    Parameters
+    ----------
+    velocity : array_like, shape (..., 2)
+        m/s.
+    size : float
+        N.
+    v0 : float
+        Below some such speed the force fades, as tanh(speed/v0); zero leaves Coulomb's law with its leap at rest, where
+        the force is taken as zero.
+
+    Returns
+    -------
+    ndarray, shape (..., 2)
+        N.
+
+    Raises
+    ------
+    ValueError
+        If `size` or `v0` is negative.
+    """
+    if not (size >= 0 and v0 >= 0):
+        raise ValueError(f"size and v0 must not be negative, got {size} and {v0}")
+    velocity = np.asarray(velocity, dtype=float)
+    speed = np.linalg.norm(velocity, axis=-1, keepdims=True)
+    moving = np.where(speed > 0, speed, 1.0)
+    return -size * velocity / moving * (np.tanh(speed / v0) if v0 else 1.0)
+
+
+def inverse_dynamics(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> Reactions:
+    """Torque and joint forces along a motion, from one linear system a point.
+
+    Parameters
+    ----------
+    machine : Machine
+    sweep : Sweep
+        Its motion.
+    loads : array_like, shape (points, number of loads, 2), optional
+        The known forces at the centres of mass, in the order of `RigidBodies.loads`, N; none if left out.
+
+    Returns
+    -------
+    Reactions
+
+    Raises
+    ------
+    ValueError
+        If the loads have another shape.
+
+    References
+    ----------
+    Source B, inverse dynamics, 15 equations.
+    """
+    found = _solution(type(machine))(*_values(machine, sweep, loads))
+    pairs = found[:, 1:].reshape(len(found), -1, 2)
+    return Reactions(found[:, 0], {joint.name: pairs[:, k] for k, joint in enumerate(machine.rigid.joints)})
+
+
+def power(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> np.ndarray:
+    """The power that the motor must give, from the energies and the loads alone: no joint force enters, W.
+
+    Parameters are those of `inverse_dynamics`; returns shape (points,).
+    """
+    return _power(type(machine))(*_values(machine, sweep, loads))[..., 0, 0]
+
+
+def residuals(machine: Machine, sweep: Sweep, reactions: Reactions, loads: ArrayLike | None = None) -> np.ndarray:
+    """By how much Newton's and Euler's equations of each body about its own centre of mass do not hold.
+
+    Of the assembled system nothing is used, and the forces are those that are given: unlike a power balance this sees
+    each of them.
+
+    Parameters
+    ----------
+    machine, sweep, loads
+        As for `inverse_dynamics`.
+    reactions : Reactions
+
+    Returns
+    -------
+    ndarray, shape (points, bodies, 3)
+        Forces along x and y in N, and the moment about the centre of mass in N m.
+    """
+    rigid, loads = machine.rigid, _loads(machine, sweep, loads)
+    value = dict(zip(machine.parameters, machine.constants, strict=True))
+    turning = dict(zip(rigid.accelerations, (sweep.motion.acceleration, *sweep.acceleration.T), strict=True))
+    weight = np.array([0.0, -value[rigid.gravity]])
+    found = np.zeros((len(sweep.motion), len(rigid.bodies), 3))
+    for k, body in enumerate(rigid.bodies):
+        centre, force, moment = _trace(machine, sweep, body.centre), found[:, k, :2], found[:, k, 2]
+        force += value[body.mass] * (weight - centre.acceleration)
+        if body.angle is not None:
+            moment -= value[body.inertia] * turning[body.angle.acceleration]
+        if body.name == rigid.motor:
+            moment += reactions.torque
+        for joint in rigid.joints:
+            if body.name in (joint.on, joint.by):
+                acting = reactions.forces[joint.name] * (1 if body.name == joint.on else -1)
+                arm = _trace(machine, sweep, joint.at).position - centre.position
+                force += acting
+                moment += arm[:, 0] * acting[:, 1] - arm[:, 1] * acting[:, 0]
+        for n, load in enumerate(rigid.loads):
+            if load.on == body.name:
+                force += loads[:, n]
+    return found
+
+
+def _trace(machine: Machine, sweep: Sweep, point: Point) -> Trace:
+    arguments = _values(machine, sweep)
+    return Trace(*(function(*arguments)[..., 0] for function in _point(type(machine), point)))
+
+
+def _values(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> tuple:
+    """Numbers for `_arguments`: columns over the points, and constants."""
+    motion = sweep.motion
+    states = (
+        (motion.position, *sweep.position.T),
+        (motion.velocity, *sweep.velocity.T),
+        (motion.acceleration, *sweep.acceleration.T),
+    )
+    components = _loads(machine, sweep, loads).reshape(len(motion), -1).T
+    return (*(column for state in states for column in state), *machine.constants, *components)
+
+
+def _arguments(machine: type[Machine]) -> tuple[sp.Symbol, ...]:
+    closure = machine.rigid.closure
+    coordinates = zip(closure.input, *closure.unknowns, strict=True)
+    loads = (component for load in machine.rigid.loads for component in load.force)
+    return (*(symbol for order in coordinates for symbol in order), *machine.parameters, *loads)
+
+
+def _loads(machine: Machine, sweep: Sweep, loads: ArrayLike | None) -> np.ndarray:
+    shape = (len(sweep.motion), len(machine.rigid.loads), 2)
+    if loads is None:
+        return np.zeros(shape)
+    loads = require.finite("loads", loads)
+    if loads.shape != shape:
+        raise ValueError(f"loads must be {shape}, (points, loads, 2), got {loads.shape}")
+    return loads
+
+
+@cache
+def _point(machine: type[Machine], point: Point) -> tuple[Callable[..., np.ndarray], ...]:
+    rigid = machine.rigid
+    of_time = (sp.Matrix(point), rigid.velocity(point), rigid.acceleration(point))
+    return tuple(compiled(_arguments(machine), expressions) for expressions in of_time)
+
+
+@cache
+def _solution(machine: type[Machine]) -> Callable[..., np.ndarray]:
+    return machine.rigid.inverse.compiled(_arguments(machine))
+
+
+@cache
+def _power(machine: type[Machine]) -> Callable[..., np.ndarray]:
+    return compiled(_arguments(machine), sp.Matrix([machine.rigid.power]))
