@@ -195,6 +195,10 @@ class Loop:
         """`newton_step` at one point, in plain floats; ZeroDivisionError where J is singular."""
         return self.closure._step_at_one_point(*q, u, *self.parameters)
 
+    def drive(self, q: ArrayLike, u: ArrayLike, du: ArrayLike) -> np.ndarray:
+        """F_u u': the part of the velocity equations that the input gives; shapes (..., n), (...) -> (..., n)."""
+        return self._call("drive", *_columns(q), u, du)[..., 0]
+
     def velocity(self, q: ArrayLike, u: ArrayLike, du: ArrayLike) -> np.ndarray:
         """Velocities of the unknowns at a closed position, from J q' = -F_u u'.
 
