@@ -52,6 +52,14 @@ TOGETHER = {  # two mistakes that are a third
         "The last point is missing",
         "The seed is returned in front of the positions",
     ): "The seed is returned as the first point, and all others are late by one",
+    (
+        "The height of the guide has the wrong sign",
+        "The height of the crank pin is added where it is to be subtracted",
+    ): "The sine of the coupler has the wrong sign",
+    (
+        "r1 is made positive",
+        "theta1 is half a turn off on the left branch",
+    ): "r1 is positive on both branches, and theta1 points to the slider",
 }
 WRITTEN = pytest.mark.parametrize("name", STUDENTS)
 DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark.proof)])

@@ -1,9 +1,23 @@
 """The exercises of the course, one module a notebook."""
 
-from autograder.checks import e01_newton_1d, e02_newton_nd, e03_motor_profile, e04_hacksaw_closure, e05_consecutive
+from autograder.checks import (
+    e01_newton_1d,
+    e02_newton_nd,
+    e03_motor_profile,
+    e04_hacksaw_closure,
+    e05_consecutive,
+    e07_closed_form,
+)
 from autograder.spec import Exercise, Task
 
-_MODULES = (e01_newton_1d, e02_newton_nd, e03_motor_profile, e04_hacksaw_closure, e05_consecutive)
+_MODULES = (
+    e01_newton_1d,
+    e02_newton_nd,
+    e03_motor_profile,
+    e04_hacksaw_closure,
+    e05_consecutive,
+    e07_closed_form,
+)
 EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}
 
 

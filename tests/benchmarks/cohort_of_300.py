@@ -58,6 +58,12 @@ MISTAKES = {
         ("for k, angle in enumerate(theta2):", "for k, angle in enumerate(theta2[:-1]):"),
         ("q = saw_position(residual, jacobian, angle, q, tol)", "q = saw_position(residual, jacobian, angle, seed)"),
     ),
+    "07_closed_form": (
+        ("np.pi - np.arcsin(sine)", "np.pi + np.arcsin(sine)"),
+        ("cannot = np.abs(sine) > 1", "cannot = sine > 1"),
+        ("2 * v_r * omega1", "v_r * omega1"),
+        ("errors.max(axis=1)", "errors.mean(axis=1)"),
+    ),
 }
 
 

@@ -26,6 +26,7 @@ WAIVED: dict[tuple[str, str], str] = {
     ("integrate_pieces", "ends[:-1] -> ends"): "zip ends with the shortest",
     ("integrate_pieces", "line 25: sp.integrate"): "there is one symbol to integrate by",
     ("integrate_pieces", "np.asarray(alpha, dtype=float)"): "the numbers are floats already",
+    ("absolute_errors", "message"): "the task asks for nothing in the message",
     ("saw_position", "theta2 -> seed"): "the Jacobian of this loop does not depend on theta2",
 }
 

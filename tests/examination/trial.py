@@ -97,6 +97,9 @@ PARTS: dict[str, Callable[..., int]] = {
     "misprint": lambda *args: 8,  # curves
     "saw_rates": lambda q, crank, lengths: len(q),  # points
     "saw_sweep": lambda f, j, theta2, *rest: len(theta2),  # crank angles
+    "closed_position": lambda theta2, *rest: np.size(theta2),  # crank angles
+    "closed_form": lambda theta2, *rest: len(theta2),  # points
+    "absolute_errors": lambda computed, exact: computed.size,  # numbers
 }
 
 
