@@ -336,3 +336,17 @@ def test_errors_alone_earn_their_part():
 
     for student in DRAWS:
         assert judged("absolute_errors", without_the_largest, student).points == 0.75
+
+
+def test_whole_turns_of_the_angles_hide_no_known_mistake():
+    def turned_on_and_once(theta2, omega2, alpha2, lengths):
+        q, v, a = by_quotients(theta2, omega2, alpha2, lengths)
+        return (
+            q + np.array([0, 0, 2 * np.pi]),
+            v,
+            a + np.stack((0 * theta2, v[:, 0] * v[:, 1] / q[:, 0], 0 * theta2), axis=-1),
+        )
+
+    for student in DRAWS:
+        assessment = judged("closed_form", turned_on_and_once, student)
+        assert assessment.mistake.startswith("The Coriolis term is counted once")

@@ -141,6 +141,8 @@ def closed_form(theta2, omega2, alpha2, lengths):
         "The centripetal term of the coupler is forgotten": (("coupler = r3 * square3", "coupler = 0"),),
         "The angular acceleration of the crank is forgotten": (("drive = r2 * alpha", "drive = 0"),),
         "The centripetal term of r1 is forgotten": (("turning = r1 * square1", "turning = 0"),),
+        "The centripetal term of r1 has the wrong sign": (("a * C1 + turning", "a * C1 - turning"),),
+        "The Coriolis term has the wrong sign": (("-a * S1 - coriolis", "-a * S1 + coriolis"),),
         "The Coriolis term is forgotten": (("2 * along * omega1", "0"),),
         "The Coriolis term is counted once": (("2 * along * omega1", "along * omega1"),),
         "The angular velocities are not squared": (
