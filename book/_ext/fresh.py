@@ -8,7 +8,7 @@ from sphinx.application import Sphinx
 from sphinx.config import Config
 
 ROOT = Path(__file__).parents[2]
-CODE = ["mechlib/**/*.py", "autograder/**/*.py", "requirements.lock"]
+CODE = ["mechlib/**/*.py", "autograder/**/*.py", "book/engine/*.*", "book/measured/*.json", "requirements.lock"]
 
 
 def fingerprint() -> str:
