@@ -14,7 +14,7 @@ help:
 	@echo 'make course       install, release the exercises, build the book, grade the sample cohort'
 	@echo 'make test         every test: style, exercises up to date, book, notebooks, pytest'
 	@echo 'make proofs       the long proofs'
-	@echo 'make benchmarks   speed and memory of the grader: side by side with nbgrader, and 300 students'
+	@echo 'make benchmarks   speed and memory: the grader beside nbgrader, 300 students, a mechanism along its motion'
 	@echo 'make environment  only .venv, from requirements.lock'
 	@echo 'make lock         requirements.lock anew, from pyproject.toml'
 	@echo 'make clean        remove what was built'
@@ -53,7 +53,7 @@ test: environment system
 	$(call step,layout,$(BIN)/ruff format --check)
 	$(call step,exercises up to date,$(BIN)/autograder release --check)
 	$(call step,book,$(BIN)/jupyter-book build book -W -n --keep-going)
-	$(call step,notebooks,$(BIN)/pytest --nbval-lax solutions exercises)
+	$(call step,notebooks,$(BIN)/pytest --nbval-lax -n auto --dist loadfile solutions exercises)
 	$(call step,pytest,$(BIN)/pytest -n auto --dist worksteal)
 
 proofs: environment system
@@ -63,6 +63,7 @@ proofs: environment system
 benchmarks: environment system
 	$(call step,side by side with nbgrader,$(BIN)/python tests/benchmarks/against_nbgrader.py)
 	$(call step,300 students,$(BIN)/python tests/benchmarks/cohort_of_300.py)
+	$(call step,a mechanism along its motion,$(BIN)/python tests/benchmarks/sweeps.py)
 
 system:
 	@sh .ci/packages
