@@ -21,6 +21,7 @@ POINTS = {  # as the course says
     "03_motor_profile": [3, 1, 4, 2],
     "04_hacksaw_closure": [4, 2, 2],
     "05_consecutive": [3, 4, 3],
+    "06_simultaneous": [1.5, 2.5, 3, 3],
     "07_closed_form": [4, 4, 2],
 }
 

@@ -25,6 +25,7 @@ OF_THE_SOURCE = defaultdict(set) | {  # nobody could write them from the text of
         for of in ("", " of the first piece", " of the second piece", " of the third piece")
     },
     "closure_jacobian": {"It is source A's matrix (17)"},
+    "nine_jacobian": {"The guide's acceleration row is that of source A's appendix D"},
 }
 TOGETHER = {  # two mistakes that are a third
     (
@@ -43,6 +44,10 @@ TOGETHER = {  # two mistakes that are a third
         "The Coriolis term is missing",
         "The centripetal terms are missing",
     ): "Every term with a product of two velocities is missing",
+    (
+        "The angular acceleration of the crank is forgotten",
+        "The angular velocity of the crank is forgotten",
+    ): "The crank does not move in the derivatives",
     ("r1 is eliminated from Fx and Fy", "The rows are in the order Fc, Fx, Fy"): "It is source A's matrix (17)",
     (
         "The right side of the velocities has the wrong sign",

@@ -6,6 +6,7 @@ from autograder.checks import (
     e03_motor_profile,
     e04_hacksaw_closure,
     e05_consecutive,
+    e06_simultaneous,
     e07_closed_form,
 )
 from autograder.spec import Exercise, Task
@@ -16,6 +17,7 @@ _MODULES = (
     e03_motor_profile,
     e04_hacksaw_closure,
     e05_consecutive,
+    e06_simultaneous,
     e07_closed_form,
 )
 EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}

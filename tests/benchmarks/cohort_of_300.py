@@ -1,4 +1,4 @@
-"""300 students hand in five notebooks each: how long it takes, and whether memory grows with their number.
+"""300 students hand in six notebooks each: how long it takes, and whether memory grows with their number.
 
 python tests/benchmarks/cohort_of_300.py [--students N] [--exercises NAME ...] [-j N]
 """
@@ -57,6 +57,15 @@ MISTAKES = {
         ("coriolis = 2 * v_r * w1", "coriolis = v_r * w1"),
         ("for k, angle in enumerate(theta2):", "for k, angle in enumerate(theta2[:-1]):"),
         ("q = saw_position(residual, jacobian, angle, q, tol)", "q = saw_position(residual, jacobian, angle, seed)"),
+    ),
+    "06_simultaneous": (
+        ("transverse = r1 * al1 + 2 * v_r * w1  # with", "transverse = r1 * al1 + v_r * w1  # with"),
+        ("[of_acceleration, 2 * of_velocity, own]", "[of_acceleration, of_velocity, own]"),
+        ("if error < tol:", "if np.linalg.norm(step[:3]) < tol:"),
+        (
+            "state, iterations, error = one_point(residual, jacobian, at, state, tol)",
+            "state, iterations, error = one_point(residual, jacobian, at, seed, tol)",
+        ),
     ),
     "07_closed_form": (
         ("np.pi - np.arcsin(sine)", "np.pi + np.arcsin(sine)"),

@@ -4,7 +4,7 @@ A student's right solution of each task, in a way of its own, and what is edited
 reference or from the variants of the checks. Edits of two mistakes can be made at once where they do not meet.
 """
 
-from examination import students_03, students_04, students_05, students_07
+from examination import students_03, students_04, students_05, students_06, students_07
 from examination.student import Student
 
 SOLVER = """
@@ -242,5 +242,6 @@ STUDENTS = {
     **students_03.STUDENTS,
     **students_04.STUDENTS,
     **students_05.STUDENTS,
+    **students_06.STUDENTS,
     **students_07.STUDENTS,
 }

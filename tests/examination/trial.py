@@ -24,7 +24,8 @@ SECONDS = 5.0  # for one case
 ROUND_OFF = 1e-12
 
 # Where an aspect looks at the points of evaluation as well, or counts them.
-BY_EVALUATIONS = {"brackets", "newton_1d", "failures", "newton", "jacobian_fd", "saw_position", "saw_sweep"}
+BY_EVALUATIONS = {"brackets", "newton_1d", "failures", "newton", "jacobian_fd"}
+BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points"}
 
 
 class Endless(BaseException):
@@ -97,6 +98,7 @@ PARTS: dict[str, Callable[..., int]] = {
     "misprint": lambda *args: 8,  # curves
     "saw_rates": lambda q, crank, lengths: len(q),  # points
     "saw_sweep": lambda f, j, theta2, *rest: len(theta2),  # crank angles
+    "all_points": lambda f, j, crank, *rest: len(crank[0]),  # points of the motion
     "closed_position": lambda theta2, *rest: np.size(theta2),  # crank angles
     "closed_form": lambda theta2, *rest: len(theta2),  # points
     "absolute_errors": lambda computed, exact: computed.size,  # numbers
