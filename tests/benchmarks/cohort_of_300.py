@@ -62,10 +62,7 @@ MISTAKES = {
         ("transverse = r1 * al1 + 2 * v_r * w1  # with", "transverse = r1 * al1 + v_r * w1  # with"),
         ("[of_acceleration, 2 * of_velocity, own]", "[of_acceleration, of_velocity, own]"),
         ("if error < tol:", "if np.linalg.norm(step[:3]) < tol:"),
-        (
-            "state, iterations, error = one_point(residual, jacobian, at, state, tol)",
-            "state, iterations, error = one_point(residual, jacobian, at, seed, tol)",
-        ),
+        ("one_point(residual, jacobian, crank[:, k], state, tol)", "one_point(residual, jacobian, crank[:, k], seed)"),
     ),
     "07_closed_form": (
         ("np.pi - np.arcsin(sine)", "np.pi + np.arcsin(sine)"),

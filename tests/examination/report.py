@@ -28,6 +28,10 @@ WAIVED: dict[tuple[str, str], str] = {
     ("integrate_pieces", "np.asarray(alpha, dtype=float)"): "the numbers are floats already",
     ("absolute_errors", "message"): "the task asks for nothing in the message",
     ("saw_position", "theta2 -> seed"): "the Jacobian of this loop does not depend on theta2",
+    ("one_point", "crank -> seed"): "the Jacobian of this loop does not depend on the crank",
+    ("one_point", "message"): "the task asks for nothing in the message",
+    ("one_point", "range(1, 51)"): "the task leaves open after how many iterations to give up",
+    ("one_point", "51 -> 5"): "the task leaves open after how many iterations to give up",
 }
 
 
