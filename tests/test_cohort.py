@@ -49,7 +49,7 @@ def test_the_cohort_gets_what_was_foretold_twice_with_the_same_bytes(tmp_path, l
         assert foretold["mistake"] in row["diagnosis"], key
         assert row["isolation"] == level
     pages = sorted(p.relative_to(tmp_path / "one") for p in (tmp_path / "one").rglob("*.html"))
-    assert len(pages) == 16
+    assert len(pages) == 17
     assert (tmp_path / "one/grades.csv").read_bytes() == (tmp_path / "two/grades.csv").read_bytes()
     for page in pages:
         assert (tmp_path / "one" / page).read_bytes() == (tmp_path / "two" / page).read_bytes(), page
