@@ -1,5 +1,6 @@
 """The benchmarks measure what they say; how long things take is their business, and no test's."""
 
+import json
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -81,3 +82,10 @@ def test_our_half_of_the_comparison_gives_every_answer_its_due():
     code, said = run("against_nbgrader", "--submissions", "12", "--ours-only")
     assert code in (0, 1), said  # 1: a busy computer; 2 would be marks that were not due
     assert "the student's own work" in said
+
+
+def test_the_kept_measurement_beside_nbgrader_reached_every_bound(module):
+    against = module("against_nbgrader")
+    found = json.loads(against.KEPT.read_text("utf-8"))
+    assert found["ratios"]["submissions a second, once started"] > 0
+    assert against.missed(found) == []
