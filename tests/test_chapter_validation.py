@@ -310,6 +310,16 @@ def test_a_figure_of_source_a_has_a_counterpart_here_with_alt_text_and_a_row_in_
     assert f"{{numref}}`{name}`" in row
 
 
+def test_each_of_the_28_figures_of_source_a_has_one_row_in_the_table_and_its_counterparts_exist():
+    rows = re.findall(r"^\| ([\d, ]+), [^|]*\| (\{numref\}.*?) \|$", PAGE, re.MULTILINE)
+    told = sorted(int(number) for numbers, _ in rows for number in numbers.split(", "))
+    assert told == list(range(1, 29))
+    named = set(
+        re.findall(r"^    name: (fig-\S+)", "\n".join(p.read_text("utf-8") for p in BOOK.glob("*.md")), re.MULTILINE)
+    )
+    assert {name for _, here in rows for name in re.findall(r"`(fig-[\w-]+)`", here)} <= named
+
+
 @pytest.mark.parametrize("place", ["equation (22)", "7.1", "7.2"])
 def test_a_mistake_of_source_a_stands_in_a_box_of_its_own(place):
     """A6, A8, A11."""
