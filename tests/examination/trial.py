@@ -5,13 +5,12 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from itertools import count
 
 import numpy as np
-from judging import answering
+from judging import answering, paper
 
-from autograder.judge import ENDLESS, assess
+from autograder.judge import ENDLESS, Assessment, assess
 from autograder.outcome import Outcome, Value
 from autograder.spec import Case, Task, Trial, recorded
 from examination.mutants import Mutant
@@ -61,11 +60,6 @@ def calling(function: Callable, limit: float = SECONDS) -> Callable:
     return call
 
 
-@cache
-def _drawn(task: Task, student: str) -> list[Case]:
-    return task.draw(SALT, student)
-
-
 @dataclass(frozen=True)
 class Judged:
     """What became of a mutant.
@@ -84,10 +78,15 @@ def judge(of: Solution, mutant: Mutant, seconds: float = SECONDS) -> Judged:
     call = calling(of.made(mutant.source), seconds)
     verdicts, losses = set(), []
     for student in STUDENTS:
-        assessments = [assess(task, call, _drawn(task, student), public=False) for task in of.tasks]
+        assessments = [_assessed(task, call, student) for task in of.tasks]
         verdicts |= {a.verdict for a in assessments}
         losses.append(any(a.points < a.max for a in assessments))
     return Judged(all(losses), frozenset(verdicts))
+
+
+def _assessed(task: Task, call: Callable, student: str) -> Assessment:
+    cases, expected = paper(task, SALT, student)
+    return assess(task, call, cases, public=False, expected=expected)
 
 
 # What a case of a task computes apart from the rest: each is an input.
