@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 
 from mechlib import require
 from mechlib.closure import compiled
-from mechlib.dynamics import Machine
+from mechlib.dynamics import Machine, at_points
 from mechlib.newton import newton
 
 Torque = Callable[[float, float, float], float]
@@ -203,10 +203,7 @@ def _within(loop, theta: float, seed: np.ndarray, tol: float) -> np.ndarray:
 
 
 def _system(machine: Machine, q, v, torque, loads) -> tuple[np.ndarray, np.ndarray]:
-    shape = (len(q), len(machine.rigid.loads), 2)
-    loads = np.zeros(shape) if loads is None else require.finite("loads", loads)
-    if loads.shape != shape:
-        raise ValueError(f"loads must be {shape}, (points, loads, 2), got {loads.shape}")
+    loads = at_points(machine, len(q), loads)
     values = (*q.T, *v.T, require.finite("torque", torque), *machine.constants, *loads.reshape(len(q), -1).T)
     matrix, right = _functions(type(machine))
     return matrix(*values), right(*values)

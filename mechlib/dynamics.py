@@ -151,7 +151,7 @@ def residuals(machine: Machine, sweep: Sweep, reactions: Reactions, loads: Array
     ndarray, shape (points, bodies, 3)
         Forces along x and y in N, and the moment about the centre of mass in N m.
     """
-    rigid, loads = machine.rigid, _loads(machine, sweep, loads)
+    rigid, loads = machine.rigid, at_points(machine, len(sweep.motion), loads)
     value = dict(zip(machine.parameters, machine.constants, strict=True))
     turning = dict(zip(rigid.accelerations, (sweep.motion.acceleration, *sweep.acceleration.T), strict=True))
     weight = np.array([0.0, -value[rigid.gravity]])
@@ -188,7 +188,7 @@ def _values(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> t
         (motion.velocity, *sweep.velocity.T),
         (motion.acceleration, *sweep.acceleration.T),
     )
-    components = _loads(machine, sweep, loads).reshape(len(motion), -1).T
+    components = at_points(machine, len(motion), loads).reshape(len(motion), -1).T
     return (*(column for state in states for column in state), *machine.constants, *components)
 
 
@@ -199,8 +199,9 @@ def _arguments(machine: type[Machine]) -> tuple[sp.Symbol, ...]:
     return (*(symbol for order in coordinates for symbol in order), *machine.parameters, *loads)
 
 
-def _loads(machine: Machine, sweep: Sweep, loads: ArrayLike | None) -> np.ndarray:
-    shape = (len(sweep.motion), len(machine.rigid.loads), 2)
+def at_points(machine: Machine, points: int, loads: ArrayLike | None) -> np.ndarray:
+    """The loads as an array, (points, number of loads, 2); zeros for none, ValueError for another shape."""
+    shape = (points, len(machine.rigid.loads), 2)
     if loads is None:
         return np.zeros(shape)
     loads = require.finite("loads", loads)

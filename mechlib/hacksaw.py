@@ -154,11 +154,10 @@ class Hacksaw:
         """
         q = self.position(theta2, branch)
         r1, theta1, theta3 = np.moveaxis(q, -1, 0)
-        across, up = np.cos(theta3), np.sin(theta3)
+        across, up = self.r3 * np.cos(theta3), self.r3 * np.sin(theta3)
         if (across == 0).any():
             raise ZeroDivisionError("the coupler stands upright: no velocity is determined")
         c2, s2 = self.r2 * np.cos(theta2), self.r2 * np.sin(theta2)
-        across, up = self.r3 * across, self.r3 * up
         omega3 = -omega2 * c2 / across
         alpha3 = (up * omega3**2 + s2 * omega2**2 - c2 * alpha2) / across
         # the slider runs along x; r1 turns, so that its parts along x and across are those of polar coordinates

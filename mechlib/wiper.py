@@ -5,7 +5,7 @@ B to D and carries a blade to its end G.  The bar D-E takes the second blade F-E
 first and ends in H.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal
 
@@ -163,7 +163,7 @@ class Wiper:
 
     closure: ClassVar[Closure] = _closure()
     symbols: ClassVar[dict[str, tuple[sp.Expr, sp.Expr]]] = _points()
-    rigid: ClassVar[RigidBodies] = _rigid(_closure(), _points())
+    rigid: ClassVar[RigidBodies] = _rigid(closure, symbols)
     parameters: ClassVar[tuple[sp.Symbol, ...]] = (*_lengths, *_centres, *_masses, *_inertias, RigidBodies.gravity)
 
     def __post_init__(self):
@@ -235,9 +235,3 @@ class Wiper:
         """Between coupler and rocker, 0 to pi/2 rad: how well the coupler turns it; shapes (..., 2) -> (...)."""
         q = np.asarray(q)
         return np.arccos(np.abs(np.cos(q[..., 1] - q[..., 0])))
-
-    def heavier(self, factor: float) -> "Wiper":
-        """The same wiper of a material so many times as dense."""
-        require.positive(factor=factor)
-        bars = (replace(bar, mass=factor * bar.mass, inertia=factor * bar.inertia) for bar in self.masses)
-        return replace(self, masses=tuple(bars))

@@ -210,12 +210,6 @@ def test_the_condition_number_of_the_15_by_15_matrix_is_at_most_67(wiper, exact)
     assert np.linalg.cond(matrices).max() <= 67
 
 
-crank_rockers = st.builds(
-    lambda scale, a, b, c: (scale * a, scale * b, scale, scale * c),
-    st.floats(0.1, 1.0), st.floats(0.8, 1.3), st.floats(0.2, 0.5), st.floats(0.6, 1.2),
-)  # fmt: skip
-
-
 @pytest.mark.parametrize("rubbing", [False, True], ids=["no friction", "friction"])
 def test_power_and_each_body_s_balance_hold_for_200_random_crank_rockers_with_random_masses(rubbing):
     rng, done = np.random.default_rng(11), 0
