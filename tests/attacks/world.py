@@ -453,8 +453,8 @@ def kernel_objects(world):
     found = set()
     for pid in descendants() - {world.victim.pid}:
         with contextlib.suppress(OSError):
-            for entry in os.scandir(f"/proc/{pid}/fd"):
-                kind = os.readlink(entry.path)
+            for name in os.listdir(f"/proc/{pid}/fd"):
+                kind = os.readlink(f"/proc/{pid}/fd/{name}")
                 if kind.startswith(RARE):
                     found.add((pid, kind))
     return found
@@ -518,8 +518,8 @@ def disk_of_a_worker(world):
     places = [path for pattern in ("worker-*", "worker-*/worker-*") for path in world.temporary.glob(pattern)]
     places += [Path("/proc", str(pid), "root", "job") for pid in descendants()]
     for place in places:
-        with contextlib.suppress(OSError):
-            sizes = [entry.stat(follow_symlinks=False).st_size for entry in os.scandir(place)]
+        with contextlib.suppress(OSError), os.scandir(place) as entries:
+            sizes = [entry.stat(follow_symlinks=False).st_size for entry in entries]
             if len(sizes) > 25_000 or sum(sizes) > 80 * MEBIBYTE:
                 return True
     return False
