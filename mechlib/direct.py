@@ -1,8 +1,8 @@
 """Direct dynamics: the torque is given, and the mechanism moves.
 
-The mechanism has one degree of freedom, so the input and its velocity are the whole state, and the closure gives the
-rest.  One can also integrate all coordinates; then nothing holds the loop closed but its acceleration equations, and it
-drifts open.
+The mechanism has one degree of freedom: the input and its velocity are the whole state, the closure gives the rest, and
+one equation moves it.  One can also integrate all coordinates; then nothing holds the loop closed but its acceleration
+equations, and it drifts open.
 """
 
 from collections.abc import Callable
@@ -15,9 +15,9 @@ import sympy as sp
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from mechlib import require
+from mechlib import eksergian, require
 from mechlib.closure import compiled
-from mechlib.dynamics import Machine, at_points
+from mechlib.dynamics import Machine, at_points, friction
 from mechlib.newton import newton
 
 Torque = Callable[[float, float, float], float]
@@ -100,6 +100,24 @@ def direct_dynamics(
     return Accelerations(found[:, :n], {joint.name: pairs[:, k] for k, joint in enumerate(machine.rigid.joints)})
 
 
+def rubbing(machine: Machine, size: float, v0: float) -> Loads:
+    """Dry friction at every centre of mass that carries a load, for `simulate`.
+
+    Parameters
+    ----------
+    machine : Machine
+    size, v0 : float
+        As for `dynamics.friction`: its size in N, and the speed in m/s below which it fades.  Without a width v0 an
+        integrator cannot pass a point of rest.
+    """
+    return lambda q, v: friction(load_velocities(machine, q, v), size, v0)
+
+
+def load_velocities(machine: Machine, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Of the centres of mass that carry loads, m/s; shapes (points, 1 + n) twice -> (points, number of loads, 2)."""
+    return _velocities(type(machine))(*position.T, *velocity.T, *machine.constants)
+
+
 def simulate(
     machine: Machine,
     torque: Torque,
@@ -110,6 +128,7 @@ def simulate(
     stabilise: float = 0.0,
     position_tol: float | None = None,
     rtol: float = 1e-12,
+    max_evaluations: int = 200_000,
 ) -> Run:
     """Move a mechanism by the torque of its motor.
 
@@ -125,7 +144,8 @@ def simulate(
     loads : callable, optional
         (position, velocity), each of shape (points, 1 + n) -> (points, number of loads, 2), N.
     coordinates : {"input", "all"}
-        What is integrated. With "input" the loop stays closed; with "all" it drifts, unless that is held back.
+        What is integrated.  The input alone, by Eksergian's equation: the loop stays closed.  Or all, by the linear
+        system of `direct_dynamics`: the loop drifts open, unless that is held back.
     stabilise : float
         Only with "all": Baumgarte's rate in 1/s, at which an opening of the loop is made to die out.
     position_tol : float, optional
@@ -133,6 +153,8 @@ def simulate(
         position before.
     rtol : float
         Of the integrator, of order eight.
+    max_evaluations : int
+        How often the accelerations may be asked for.
 
     Returns
     -------
@@ -145,51 +167,72 @@ def simulate(
     OpenLoopError
         If the motion leads to where the loop cannot close.
     ArithmeticError
-        If the integrator gives up; says where.
+        If the motion meets a singular position, or the integrator gives up; says where.
     """
     t = require.finite("t", t)
     require.one_of("coordinates", coordinates, ("input", "all"))
-    theta, omega = (require.finite(name, value) for name, value in zip(("theta", "omega"), start, strict=True))
-    loop = machine.loop
-    last = machine.position(theta)
-
-    def closed(theta: np.ndarray) -> np.ndarray:
-        """The unknowns that close the loop."""
-        nonlocal last
-        if position_tol is None:
-            return machine.position(theta)
-        last = _within(loop, theta, last, position_tol)
-        return last
-
-    def full(state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All positions and velocities of one state."""
-        if coordinates == "all":
-            q, v = np.split(state[:-1], 2)
-            return q, v
-        q = closed(state[0])
-        return np.array([state[0], *q]), np.array([state[1], *loop.velocity(q, *state[:2])])
+    theta, omega = (float(require.finite(name, value)) for name, value in zip(("theta", "omega"), start, strict=True))
+    q = machine.position(theta)
+    way = _Input(machine, q, position_tol) if coordinates == "input" else _All(machine, stabilise)
+    asked = 0
 
     def slope(now: float, state: np.ndarray) -> np.ndarray:
-        q, v = full(state)
-        M = float(torque(now, q[0], v[0]))
-        acting = None if loads is None else np.asarray(loads(q[None], v[None]))
-        matrix, right = _system(machine, q[None], v[None], np.array([M]), acting)
-        if stabilise and coordinates == "all":
-            rate = loop.jacobian(q[1:], q[0]) @ v[1:] + loop.drive(q[1:], q[0], v[0])
-            right[0, -len(rate) :, 0] -= 2 * stabilise * rate + stabilise**2 * loop.residual(q[1:], q[0])
-        a = np.linalg.solve(matrix, right)[0, : len(q), 0]
-        given = M * v[0] + (0.0 if acting is None else _load_power(machine, q, v, acting))
-        return np.array([*v, *a, given]) if coordinates == "all" else np.array([v[0], a[0], given])
+        nonlocal asked
+        asked += 1
+        if asked > max_evaluations:
+            raise ArithmeticError(f"the motion gets no further than t = {now:.6g} s in {max_evaluations} evaluations")
+        q, v = way.full(state[:-1])
+        acting = None if loads is None else np.asarray(loads(q[None], v[None]), dtype=float)
+        M = float(require.finite("torque", torque(now, q[0], v[0])))
+        of_loads = 0.0 if acting is None else float((load_velocities(machine, q[None], v[None]) * acting).sum())
+        return np.array([*way.slope(q, v, M, acting), M * v[0] + of_loads])
 
-    first = closed(theta)
-    begin = [theta, *first, omega, *loop.velocity(first, theta, omega)] if coordinates == "all" else [theta, omega]
+    begin = [theta, omega] if coordinates == "input" else [theta, *q, omega, *machine.loop.velocity(q, theta, omega)]
     found = solve_ivp(slope, (t[0], t[-1]), [*begin, 0.0], "DOP853", t, rtol=rtol, atol=1e-2 * rtol)
     if not found.success:
         raise ArithmeticError(f"the motion ends at t = {found.t[-1]:.6g} s: {found.message}")
-    states = [full(state) for state in found.y.T]
-    q, v = (np.array(column) for column in zip(*states, strict=True))
-    opening = np.linalg.norm(loop.residual(q[:, 1:], q[:, 0]), axis=-1)
+    q, v = (np.array(column) for column in zip(*(way.full(state[:-1]) for state in found.y.T), strict=True))
+    opening = np.linalg.norm(machine.loop.residual(q[:, 1:], q[:, 0]), axis=-1)
     return Run(found.t, q, v, _energy(type(machine))(*q.T, *v.T, *machine.constants)[..., 0, 0], found.y[-1], opening)
+
+
+class _Input:
+    """The input and its velocity are the state, and the closure gives the rest."""
+
+    def __init__(self, machine: Machine, q: np.ndarray, tol: float | None):
+        self.machine, self.last, self.tol = machine, q, tol
+
+    def full(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        theta, omega = state
+        if self.tol is None:
+            q = self.machine.position(theta)
+        else:
+            q = self.last = _within(self.machine.loop, theta, self.last, self.tol)
+        k = eksergian.ratios(self.machine, theta, q)[0]
+        return np.array([theta, *q]), omega * np.array([1.0, *k])
+
+    def slope(self, q: np.ndarray, v: np.ndarray, M: float, loads: np.ndarray | None) -> list[float]:
+        J, inertial, Q = eksergian.terms(self.machine, q[0], q[1:], v[0], None if loads is None else loads[0])
+        return [v[0], (M + Q - inertial) / J]
+
+
+class _All:
+    """All positions and velocities are the state, and nothing but the acceleration equations knows of the loop."""
+
+    def __init__(self, machine: Machine, rate: float):
+        self.machine, self.rate = machine, rate
+
+    def full(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        q, v = np.split(state, 2)
+        return q, v
+
+    def slope(self, q: np.ndarray, v: np.ndarray, M: float, loads: np.ndarray | None) -> list[float]:
+        matrix, right = _system(self.machine, q[None], v[None], np.array([M]), loads)
+        if self.rate:
+            loop = self.machine.loop
+            opens = loop.jacobian(q[1:], q[0]) @ v[1:] + loop.drive(q[1:], q[0], v[0])
+            right[0, -len(opens) :, 0] -= 2 * self.rate * opens + self.rate**2 * loop.residual(q[1:], q[0])
+        return [*v, *np.linalg.solve(matrix, right)[0, : len(q), 0]]
 
 
 def _within(loop, theta: float, seed: np.ndarray, tol: float) -> np.ndarray:
@@ -207,11 +250,6 @@ def _system(machine: Machine, q, v, torque, loads) -> tuple[np.ndarray, np.ndarr
     values = (*q.T, *v.T, require.finite("torque", torque), *machine.constants, *loads.reshape(len(q), -1).T)
     matrix, right = _functions(type(machine))
     return matrix(*values), right(*values)
-
-
-def _load_power(machine: Machine, q, v, loads) -> float:
-    velocities = _velocities(type(machine))(*q, *v, *machine.constants)
-    return float((velocities * loads[0]).sum())
 
 
 def _state(machine: type[Machine]) -> tuple[sp.Symbol, ...]:

@@ -5,7 +5,7 @@ import pytest
 
 from mechlib import dynamics
 from mechlib.batched import batched
-from mechlib.direct import direct_dynamics, simulate
+from mechlib.direct import direct_dynamics, rubbing, simulate
 from mechlib.motion import Motion
 from mechlib.wiper import Wiper
 
@@ -46,6 +46,10 @@ def test_source_b_the_coasting_wiper_after_two_seconds_to_the_verified_digits(wi
     assert run.opening.max() < 1e-15
 
 
+def test_without_friction_and_torque_the_energy_stays_over_ten_seconds(wiper):
+    assert relative_drift(simulate(wiper, **COASTING, t=np.linspace(0, 10, 21))) < 1e-10
+
+
 def test_a_position_solved_to_1e_9_only_lets_the_energy_drift(wiper):
     run = simulate(wiper, **COASTING, t=np.linspace(0, 2, 21), position_tol=1e-9, rtol=1e-10)
     assert 1e-10 < relative_drift(run) < 1e-6
@@ -63,15 +67,13 @@ def test_all_coordinates_integrated_let_the_loop_open_and_two_cures_hold_it_clos
 
 
 def test_energy_and_work_agree_with_a_motor_and_friction(wiper):
-    def friction(position, velocity):
-        """Smoothed over 1 mm/s, so that the crank can start from rest."""
-        r, w = 0.29, velocity[:, 2]
-        across = np.stack((-np.sin(position[:, 2]), np.cos(position[:, 2])), axis=-1)
-        force = dynamics.friction(r * w[:, None] * across, 4.5, v0=1e-2)
-        return np.stack((force, force), axis=1)
-
     run = simulate(
-        wiper, lambda t, theta, omega: 8.0 * (1 - omega / 8.0), (0.0, 0.0), np.linspace(0, 1, 6), friction, rtol=1e-9
+        wiper,
+        lambda t, theta, omega: 8.0 * (1 - omega / 8.0),
+        (0.0, 0.0),
+        np.linspace(0, 1, 6),
+        rubbing(wiper, 4.5, 0.01),
+        rtol=1e-9,
     )
     assert run.velocity[-1, 0] > 1
     assert np.abs(run.drift).max() < 1e-7 * np.abs(run.energy).max()
