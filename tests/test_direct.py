@@ -7,6 +7,7 @@ from mechlib import dynamics
 from mechlib.batched import batched
 from mechlib.direct import direct_dynamics, rubbing, simulate
 from mechlib.motion import Motion
+from mechlib.motor import Motor
 from mechlib.wiper import Wiper
 
 SEED = np.deg2rad([55, 125])
