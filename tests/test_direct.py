@@ -68,14 +68,7 @@ def test_all_coordinates_integrated_let_the_loop_open_and_two_cures_hold_it_clos
 
 
 def test_energy_and_work_agree_with_a_motor_and_friction(wiper):
-    run = simulate(
-        wiper,
-        lambda t, theta, omega: 8.0 * (1 - omega / 8.0),
-        (0.0, 0.0),
-        np.linspace(0, 1, 6),
-        rubbing(wiper, 4.5, 0.01),
-        rtol=1e-9,
-    )
+    run = simulate(wiper, Motor(8.0, 8.0), (0.0, 0.0), np.linspace(0, 1, 6), rubbing(wiper, 4.5, 0.01), rtol=1e-9)
     assert run.velocity[-1, 0] > 1
     assert np.abs(run.drift).max() < 1e-7 * np.abs(run.energy).max()
 
