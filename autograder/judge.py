@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from importlib.resources import files
 from itertools import count
 from types import MappingProxyType
@@ -77,48 +77,67 @@ def stopped(text: str) -> str:
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
-def paper(task: Task, salt: str, student: str) -> tuple[list[Case], list[Trial]]:
-    """The cases of one student, and the right answers to them."""
-    cases = task.draw(salt, student)
-    return cases, solved(task, cases)
+class Paper:
+    """What is asked in one task: the cases, the right answers, and the answers that known mistakes give.
+
+    Each is worked out once, when it is first asked for.
+
+    Attributes
+    ----------
+    task : Task
+    cases : sequence of Case
+    """
+
+    def __init__(self, task: Task, cases: Sequence[Case]):
+        self.task, self.cases = task, cases
+        self._imitations: dict[Variant, list[Trial]] = {}
+
+    @cached_property
+    def expected(self) -> list[Trial]:
+        """The right answers."""
+        return [attempt(self.task.reference, case) for case in self.cases]
+
+    def imitations(self, variant: Variant) -> list[Trial]:
+        """What a known mistake answers to the cases of its kind."""
+        if variant not in self._imitations:
+            self._imitations[variant] = [
+                attempt(variant.function, case) for case in self.cases if case.kind == variant.kind
+            ]
+        return self._imitations[variant]
 
 
-def solved(task: Task, cases: Sequence[Case]) -> list[Trial]:
-    return [attempt(task.reference, case) for case in cases]
+def drawn(task: Task, salt: str, student: str) -> Paper:
+    """The paper of one student, with the right answers."""
+    paper = Paper(task, task.draw(salt, student))
+    paper.expected  # noqa: B018  # now, while nobody waits for it
+    return paper
 
 
-def assess(
-    task: Task, call: Call, cases: Sequence[Case], public: bool, expected: Sequence[Trial] | None = None
-) -> Assessment:
+def assess(paper: Paper, call: Call, public: bool) -> Assessment:
     """Judge one task; an answer that the check itself cannot digest is an error of that task alone.
 
     Parameters
     ----------
-    task : Task
+    paper : Paper
     call : callable
         (function name, args, kwargs, seconds) -> outcome; how the student's function is reached.
-    cases : sequence of Case
     public : bool
         Whether the student may see what was tried, and what an exception said. Never for hidden cases.
-    expected : sequence of Trial, optional
-        The right answers; left out, they are worked out here.
 
     Returns
     -------
     Assessment
     """
     try:
-        return _assess(task, call, cases, public, expected)
+        return _assess(paper, call, public)
     except Exception as mistake:  # a student's answer may be anything: its neighbours go on
         why = f"the check does not understand this answer ({type(mistake).__name__}): show it to your instructor"
-        return replace(_missing(task, why), verdict=ERROR)
+        return replace(_missing(paper.task, why), verdict=ERROR)
 
 
-def _assess(
-    task: Task, call: Call, cases: Sequence[Case], public: bool, expected: Sequence[Trial] | None
-) -> Assessment:
-    trials: list[Trial] = []
-    for case in cases:
+def _assess(paper: Paper, call: Call, public: bool) -> Assessment:
+    task, trials = paper.task, []
+    for case in paper.cases:
         args, evaluations = recorded(case)
         gave_up = next((t.outcome for t in trials if isinstance(t.outcome, Lost)), None)
         outcome = gave_up or call(task.function, args, case.kwargs, task.seconds)
@@ -128,7 +147,7 @@ def _assess(
         if why := _absent(task, outcome):
             return _missing(task, why)
         trials.append(Trial(case, outcome, evaluations))
-    expected = solved(task, cases) if expected is None else expected
+    expected = paper.expected
 
     first, *further = task.aspects
     findings = [_look(task, first, trials, expected, public)]
@@ -140,7 +159,7 @@ def _assess(
     if earned == task.points:
         return judged(earned, verdict=RIGHT)
     lost = next((t.outcome.why for t in trials if isinstance(t.outcome, Lost)), "")
-    if mistake := recognise(task, trials, expected):
+    if mistake := recognise(paper, trials):
         earned = max(earned, mistake.share * task.points)
     verdict = _verdict([trial.outcome for trial in trials], earned)
     said = f"{mistake.name}. {mistake.advice}" if mistake else ""
@@ -160,13 +179,13 @@ def _convergence(task: Task, trials: Sequence[Trial], expected: Sequence[Trial])
     return ()
 
 
-def recognise(task: Task, trials: Sequence[Trial], expected: Sequence[Trial]) -> Variant | None:
+def recognise(paper: Paper, trials: Sequence[Trial]) -> Variant | None:
     """The known mistake that explains every trial; None unless it is the only one that does."""
-    explains = []
+    task, explains = paper.task, []
     for variant in task.variants:
         same = _same_path if variant.by_path else lambda a, b: task.disagreement(a.outcome, b.outcome) is None
-        pairs = [(t, right) for t, right in zip(trials, expected, strict=True) if t.case.kind == variant.kind]
-        imitations = [attempt(variant.function, trial.case) for trial, _ in pairs]
+        pairs = [(t, right) for t, right in zip(trials, paper.expected, strict=True) if t.case.kind == variant.kind]
+        imitations = paper.imitations(variant)
         tells = any(not same(im, right) for im, (_, right) in zip(imitations, pairs, strict=True))
         if tells and all(same(im, trial) for im, (trial, _) in zip(imitations, pairs, strict=True)):
             explains.append(variant)
@@ -292,11 +311,10 @@ def grade(
     assessments = dict(known)
     left = [task for task in exercise.tasks if task.name not in known]
     with ThreadPoolExecutor(1) as beside:
-        papers = [beside.submit(paper, task, salt, student) for task in left]  # while the cells run
+        papers = [beside.submit(drawn, task, salt, student) for task in left]  # while the cells run
         with Session(exercise, cells, sandbox) as session:
-            for task, drawn in zip(left, papers, strict=True):
-                cases, expected = drawn.result()
-                judged = assess(task, session.caller(), cases, public, expected)
+            for task, paper in zip(left, papers, strict=True):
+                judged = assess(paper.result(), session.caller(), public)
                 keep(assessment := _explain(judged, session))
                 assessments[task.name] = assessment
             said, output = (*notes, *session.notes), session.output

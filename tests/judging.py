@@ -5,12 +5,11 @@ from functools import lru_cache
 import numpy as np
 
 from autograder.checks import task
-from autograder.judge import Assessment, assess
-from autograder.judge import paper as drawn
+from autograder.judge import Assessment, assess, drawn
 from autograder.outcome import Raised, Value
 from autograder.spec import Task
 
-paper = lru_cache(400)(drawn)  # many functions are judged on the same cases, 300 of a task in the proofs
+paper = lru_cache(8)(drawn)  # many functions are judged on the same paper, one after another
 
 
 def answering(function):
@@ -29,5 +28,4 @@ def answering(function):
 def judged(t: Task | str, function, student: str, public: bool = False, salt: str = "salt") -> Assessment:
     """What is said of a function that answers a task, given itself or by name."""
     t = task(t) if isinstance(t, str) else t
-    cases, expected = paper(t, salt, student)
-    return assess(t, answering(function), cases, public, expected)
+    return assess(paper(t, salt, student), answering(function), public)

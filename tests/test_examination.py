@@ -15,7 +15,7 @@ from examination.trial import calling, equivalents, judge
 from judging import judged
 
 from autograder.checks import EXERCISES, task
-from autograder.judge import assess
+from autograder.judge import assess, drawn
 
 SOLUTIONS = pytest.mark.parametrize("solution", solutions(), ids=lambda s: s.function)
 ENOUGH = 15  # mutants a task
@@ -73,7 +73,7 @@ DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark
 @SOLUTIONS
 def test_the_solution_in_the_notebook_gets_full_points(solution):
     for t in solution.tasks:
-        assessment = assess(t, calling(solution.made()), t.draw("salt", "anyone"), public=False)
+        assessment = assess(drawn(t, "salt", "anyone"), calling(solution.made()), public=False)
         assert assessment.verdict == "right", assessment.diagnosis
 
 
@@ -125,10 +125,10 @@ def test_no_mistake_is_named_on_a_right_solution(name, draws):
 @DRAWS
 def test_a_mistake_that_a_student_makes_from_its_name_alone_is_named(name, draws):
     student = STUDENTS[name]
-    for mistake in student.mistakes:
-        wrong = function(student.written(mistake), task(name).function)
-        for n in range(draws if name != "basin_map" else draws // 3):
-            assessment = judged(name, wrong, f"student {n}")
+    wrong = {mistake: function(student.written(mistake), task(name).function) for mistake in student.mistakes}
+    for n in range(draws if name != "basin_map" else draws // 3):
+        for mistake, made in wrong.items():
+            assessment = judged(name, made, f"student {n}")
             assert assessment.mistake.startswith(f"{mistake}. "), f"{mistake}: {assessment.diagnosis}"
 
 
@@ -136,12 +136,13 @@ def test_a_mistake_that_a_student_makes_from_its_name_alone_is_named(name, draws
 @pytest.mark.parametrize("draws", [1, pytest.param(20, marks=pytest.mark.proof)])
 def test_of_two_mistakes_at_once_a_true_one_is_named_or_none(name, draws):
     student = STUDENTS[name]
-    for pair in combinations(student.mistakes, 2):
-        if both := student.written(*pair):
-            true = [f"{mistake}. " for mistake in (*pair, TOGETHER.get(pair)) if mistake]
-            for n in range(draws):
-                named = judged(name, function(both, task(name).function), f"student {n}").mistake
-                assert named == "" or named.startswith(tuple(true)), f"{pair}: {named}"
+    written = {pair: both for pair in combinations(student.mistakes, 2) if (both := student.written(*pair))}
+    made = {pair: function(both, task(name).function) for pair, both in written.items()}
+    for n in range(draws):
+        for pair, both in made.items():
+            true = tuple(f"{mistake}. " for mistake in (*pair, TOGETHER.get(pair)) if mistake)
+            named = judged(name, both, f"student {n}").mistake
+            assert named == "" or named.startswith(true), f"{pair}: {named}"
 
 
 @SOLUTIONS

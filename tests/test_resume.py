@@ -57,10 +57,10 @@ def asked(monkeypatch, also=lambda student_task: None):
     tasks = []
     real = judge.assess
 
-    def assess(task, *rest):
-        also(task.name)
-        tasks.append(task.name)
-        return real(task, *rest)
+    def assess(paper, *rest):
+        also(paper.task.name)
+        tasks.append(paper.task.name)
+        return real(paper, *rest)
 
     monkeypatch.setattr(judge, "assess", assess)
     return tasks

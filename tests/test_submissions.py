@@ -19,7 +19,7 @@ from autograder.cli import app
 from autograder.cohort import grade_cohort
 from autograder.ingest import Refused
 from autograder.isolation import survey
-from autograder.judge import assess, undefined
+from autograder.judge import assess, drawn, undefined
 from autograder.oddities import Text, look
 from autograder.outcome import Raised
 from autograder.sandbox import CONFINED
@@ -373,7 +373,7 @@ def test_whatever_happens_to_the_cells_what_is_there_keeps_its_points(tmp_path, 
     call = in_this_process(notebook.cells)
     for task in exercise.tasks:
         name = task.function
-        judged = assess(task, call, task.draw(PUBLIC_SALT, ""), public=True)
+        judged = assess(drawn(task, PUBLIC_SALT, ""), call, public=True)
         if WRITTEN[name] not in cells:
             assert judged.why == f"not started: no cell defines {name}"
             other = any(f"def {name}_1(" in cell for cell in cells)

@@ -85,8 +85,7 @@ def judge(of: Solution, mutant: Mutant, seconds: float = SECONDS) -> Judged:
 
 
 def _assessed(task: Task, call: Callable, student: str) -> Assessment:
-    cases, expected = paper(task, SALT, student)
-    return assess(task, call, cases, public=False, expected=expected)
+    return assess(paper(task, SALT, student), call, public=False)
 
 
 # What a case of a task computes apart from the rest: each is an input.
