@@ -104,6 +104,8 @@ class Moving:
         Joints whose path is drawn.
     cloud : array_like, shape (points, 2)
         Points that are drawn and do not move, in metres.
+    backdrop : array_like, shape (points, 2)
+        Corners of an area that lies behind the mechanism and does not move, in metres.
     arrows : sequence of Arrows
     start : int
         The frame that is drawn.
@@ -130,6 +132,7 @@ class Moving:
     barrels: Sequence[str] = ()
     traces: Sequence[str] = ()
     cloud: ArrayLike = ()
+    backdrop: ArrayLike = ()
     arrows: Sequence[Arrows] = ()
     start: int = 0
     seconds: float = 4.0
@@ -158,8 +161,9 @@ class Moving:
             _finite(f"direction of slider {name!r}", direction, [(2,)])
             if not np.any(direction):
                 raise ValueError(f"direction of slider {name!r} must not be zero, got {direction}")
-        if np.size(self.cloud):
-            _finite("cloud", self.cloud, [(len(self.cloud), 2)])
+        for what, points in (("cloud", self.cloud), ("backdrop", self.backdrop)):
+            if np.size(points):
+                _finite(what, points, [(len(points), 2)])
 
         named = {f"body {body!r}": joints for body, joints in self.bodies.items()}
         named |= {"ground": self.ground, "sliders": self.sliders, "traces": self.traces}
@@ -215,8 +219,8 @@ class Moving:
             for arrows, scale in zip(self.arrows, self._arrow_scales, strict=True)
             for name, vectors in arrows.vectors.items()
         ]
-        cloud = np.reshape(np.asarray(self.cloud, dtype=float), (-1, 2))
-        points = np.concatenate([*paths.values(), *tips, cloud])
+        still = [np.reshape(np.asarray(each, dtype=float), (-1, 2)) for each in (self.cloud, self.backdrop)]
+        points = np.concatenate([*paths.values(), *tips, *still])
         low, high = points.min(axis=0), points.max(axis=0)
         room = np.array([WIDTH, HEIGHT]) - 2 * MARGIN
         scale = float((room / np.maximum(high - low, 1e-12)).min())
@@ -286,6 +290,10 @@ class Moving:
         now = {name: path[self.start if len(path) > 1 else 0] for name, path in drawn.items()}
         lines = 'fill="none" stroke-linecap="round" stroke-linejoin="round"'
         parts = []
+        if np.size(self.backdrop):
+            corners = _points(self._to_picture(np.asarray(self.backdrop, dtype=float)))
+            filled = lines.replace('"none"', f'"{GREY}" fill-opacity="0.1"')
+            parts.append(f'<polygon class="backdrop" points="{corners}" {filled} stroke="{GREY}" stroke-width="1.5"/>')
         for name in self.traces:
             shape = "polygon" if self.cyclic else "polyline"
             parts.append(

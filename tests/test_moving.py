@@ -91,6 +91,7 @@ def test_a_frame_in_which_the_linkage_cannot_close_is_refused_by_its_index():
         ({"sliders": {"B": (0, 0)}}, r"direction of slider 'B' must not be zero, got \(0, 0\)"),
         ({"barrels": ["rod"]}, "barrels has the unknown body 'rod'; known are crank, coupler"),
         ({"cloud": [(0, np.inf)]}, "cloud must be finite, got .*inf.* at index 0"),
+        ({"backdrop": [(0, 0, 1)]}, r"backdrop must have the shape \(1, 2\), got \(1, 3\)"),
         ({"arrows": [Arrows("force", {"C": np.ones((360, 2))})]}, "'force' has the unknown joint 'C'"),
         ({"arrows": [Arrows("force", {"A": np.ones(360)})]}, r"'force' at joint 'A' must have the shape \(360, 2\)"),
         ({"values": [Quantity("r₁", [1.0])]}, r"value 'r₁' must have the shape \(360,\), got \(1,\)"),
@@ -148,6 +149,17 @@ def test_every_position_and_every_arrow_fits_into_the_picture():
     page = data(hacksaw())
     tips = np.add(page["joints"]["A"], page["arrows"][0]["vectors"]["A"])
     assert (tips > 40).all()
+
+
+def test_what_lies_behind_is_drawn_to_the_same_scale_and_fits():
+    corners = np.array([(-0.3, -0.1), (0.2, -0.1), (0.2, 0.15)])
+    html = hacksaw(backdrop=corners)._repr_html_()
+    pairs = re.search(r'class="backdrop" points="([^"]*)"', html).group(1).split()
+    drawn = np.array([pair.split(",") for pair in pairs], dtype=float)
+    scale = np.linalg.norm(np.subtract(*hacksaw(backdrop=corners).drawn()["A"][[0, 180]])) / (2 * R2)
+    np.testing.assert_allclose(np.diff(drawn, axis=0), np.diff(corners, axis=0) * scale * (1, -1), atol=0.05)
+    width, height = map(float, re.search(r'viewBox="0 0 (\S+) (\S+)"', html).groups())
+    assert (drawn >= 40).all() and (drawn <= (width - 40, height - 40)).all()
 
 
 def test_a_turn_of_three_joints_and_six_values_is_smaller_than_60_kb():
@@ -500,7 +512,7 @@ def luminance(colour):
 @pytest.mark.parametrize("theme", THEMES)
 def test_lines_stand_out_from_the_page_three_to_one_and_letters_more(show, theme):
     bodies = {f"body {k}": "OA" for k in range(4)} | {"plate": "OABO"}
-    tab = show(hacksaw(bodies=bodies, traces="B", cloud=[(0, 0)]), theme=theme)
+    tab = show(hacksaw(bodies=bodies, traces="B", cloud=[(0, 0)], backdrop=[(0, 0), (0.1, 0), (0, 0.1)]), theme=theme)
     style = "(elements, name) => elements.map((element) => getComputedStyle(element)[name])"
 
     def colours(name, selector):
@@ -508,7 +520,7 @@ def test_lines_stand_out_from_the_page_three_to_one_and_letters_more(show, theme
         assert found and all(colour.startswith("rgb(") for colour in found)
         return set(found)
 
-    drawn = colours("stroke", "[data-chain], .ground, .guide, .block, .trace, .cloud, .joint circle, .arrow")
+    drawn = colours("stroke", "[data-chain], .ground, .guide, .block, .trace, .cloud, .backdrop, .joint circle, .arrow")
     read = colours("fill", "svg text") | colours("color", "dt, dd, button, label")
     page = luminance(tab.locator("body").evaluate("(element) => getComputedStyle(element).backgroundColor"))
     for least, found in ((3, drawn | colours("borderTopColor", "button")), (4.5, read)):

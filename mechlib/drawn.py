@@ -1,0 +1,65 @@
+"""The mechanisms as the book shows them: which joints, bodies, traces and surroundings the figure to drag has."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mechlib.dynamics import trace
+from mechlib.moving import Arrows, Moving, Quantity
+from mechlib.sweep import Sweep
+from mechlib.wiper import Wiper
+
+ROOM = 0.1  # m, of glass beside the blades and above them
+BULGE = 0.05  # m, by which the upper edge of the glass is higher in the middle
+SLANT = 0.08  # m, by which it is shorter at each end than the lower one; less than the room
+
+
+def wiper(
+    machine: Wiper, sweep: Sweep, values: Sequence[Quantity] = (), arrows: Sequence[Arrows] = (), **more
+) -> Moving:
+    """The windscreen wiper on its glass, with the paths of the ends of its blades.
+
+    Parameters
+    ----------
+    machine : Wiper
+    sweep : Sweep
+        Its motion: a frame for each point. Over a whole turn, leave out the last point, which is the first again.
+    values : sequence of Quantity
+        Shown beside the picture, below the crank angle.
+    arrows : sequence of Arrows
+        To be shown on demand, at the joints O, A to H.
+    **more
+        Passed on to `Moving`, and before what is said here.
+
+    Returns
+    -------
+    Moving
+    """
+    paths = {name: trace(machine, sweep, name).position for name in "OABCDEFGH"}
+    fixed = {name: paths[name][0] for name in "OCF"}
+    usual = {
+        "joints": paths | fixed,
+        "bodies": {"crank": "OA", "coupler": "AB", "first blade": "CBDG", "second blade": "FEH", "bar": "DE"},
+        "ground": "OCF",
+        "backdrop": windscreen(machine, sweep),
+        "traces": "GH",
+        "input": Quantity("θ₁", np.rad2deg(sweep.motion.position), "°"),
+        "values": values,
+        "arrows": arrows,
+        "cyclic": True,
+        "alt": (
+            "A crank turns about O. Through the coupler from A to B it swings the first blade, from C over B and D to "
+            "G, to and fro over a windscreen. The bar from D to E takes the second blade along, from F over E to H."
+        ),
+    }
+    return Moving(**usual | more)
+
+
+def windscreen(machine: Wiper, sweep: Sweep) -> np.ndarray:
+    """Outline of a glass as large as the blades need along a motion, m; shape (points, 2). No source gives one."""
+    ends = np.concatenate([trace(machine, sweep, name).position for name in "GH"])
+    (left, low), (right, high) = ends.min(axis=0) - ROOM, ends.max(axis=0) + ROOM
+    along = np.linspace(-1, 1, 25)
+    middle, half = (left + right) / 2, (right - left) / 2
+    top = np.column_stack((middle + (half - SLANT) * along, high - BULGE * along**2))
+    return np.concatenate(([(right, low), (left, low)], top))
