@@ -19,6 +19,7 @@ import yaml
 from autograder.checks import EXERCISES
 from autograder.report import section_address
 from mechlib.hacksaw import Hacksaw
+from mechlib.wiper import Wiper
 
 ROOT = Path(__file__).parents[1]
 HTML = ROOT / "_build" / "html"
@@ -49,14 +50,13 @@ FACTS = """async () => {
 
 JOINTS_AT_ALL_FRAMES = """(figure) => {
     const range = figure.querySelector("input[type=range]");
-    return Array.from({ length: 360 }, (_, frame) => {
+    return Array.from({ length: Number(range.max) + 1 }, (_, frame) => {
         range.value = frame;
         range.dispatchEvent(new Event("input"));
-        return ["O", "A", "B"].map((name) => {
-            const circle = figure.querySelector(`.joint[data-joint=${name}] circle`);
-            const { x, y, width, height } = circle.getBoundingClientRect();
-            return [x + width / 2, y + height / 2];
-        });
+        return Object.fromEntries([...figure.querySelectorAll(".joint")].map((joint) => {
+            const { x, y, width, height } = joint.querySelector("circle").getBoundingClientRect();
+            return [joint.dataset.joint, [x + width / 2, y + height / 2]];
+        }));
     });
 }"""
 
@@ -140,20 +140,44 @@ def test_page_reads_from_a_server_and_asks_no_other(server, opened, page):
     assert facts == {"theme": "dark", **NOTHING_WRONG}
 
 
-@pytest.mark.parametrize("page", ["index", "hacksaw-closure"])
-def test_a_draggable_figure_lives_in_the_built_page_and_shows_what_mechlib_computes(html, opened, page):
-    saw, crank = Hacksaw(), np.deg2rad(np.arange(360))
-    O, A, B = np.moveaxis(saw.points(crank, saw.position(crank)), -2, 0)
+def hacksaw_joints():
+    crank = np.deg2rad(np.arange(360))
+    return dict(zip("OAB", np.moveaxis(Hacksaw().points(crank, Hacksaw().position(crank)), -2, 0), strict=True))
+
+
+def wiper_joints():
+    """By complex numbers: A on its circle, and B where two circles meet, to the right of the line from A to C."""
+    wiper, crank = Wiper(), np.exp(1j * np.deg2rad(np.arange(0, 360, 2)))
+    A, C, F = wiper.r1 * crank, wiper.r0 + 0 * crank, wiper.r0 + wiper.r5 + 0 * crank
+    far = np.abs(C - A)
+    at_A = np.arccos((far**2 + wiper.r2**2 - wiper.r3**2) / (2 * far * wiper.r2))
+    B = A + wiper.r2 * (C - A) / far * np.exp(1j * at_A)
+    blade = (B - C) / wiper.r3
+    D, E, G, H = C + wiper.r4 * blade, F + wiper.r4 * blade, C + wiper.r6 * blade, F + wiper.r6 * blade
+    places = zip("ABCDEFGHO", (A, B, C, D, E, F, G, H, 0 * A), strict=True)
+    return {name: np.stack((z.real, z.imag), axis=-1) for name, z in places}
+
+
+@pytest.mark.parametrize(
+    ("page", "place", "joints"),
+    [
+        ("index", 0, hacksaw_joints),
+        ("index", 1, wiper_joints),
+        ("hacksaw-closure", 0, hacksaw_joints),
+        ("wiper-kinematics", 0, wiper_joints),
+    ],
+)
+def test_a_draggable_figure_lives_in_the_built_page_and_shows_the_mechanism(html, opened, page, place, joints):
     with opened((html / f"{page}.html").as_uri(), 1280, "light") as (tab, trouble):
-        figure = tab.locator(".mechanism")
-        seen = figure.evaluate(JOINTS_AT_ALL_FRAMES)
-        caption = tab.locator("figure:has(.mechanism) figcaption").inner_text()
+        seen = tab.locator(".mechanism").nth(place).evaluate(JOINTS_AT_ALL_FRAMES)
+        caption = tab.locator("figure:has(.mechanism) figcaption").nth(place).inner_text()
     assert trouble == []
     assert re.match(r"Fig. [\d.]+ ", caption)
-    o, a, b = np.moveaxis(np.array(seen), 1, 0)
-    unit = np.linalg.norm(a - o, axis=1).mean() / saw.r2  # pixels of the screen a metre
-    for drawn, computed in ((a - o, A - O), (b - o, B - O)):
-        np.testing.assert_allclose(drawn, computed * (unit, -unit), atol=0.5)  # half a pixel
+    expected = joints()
+    drawn = {name: np.array([frame[name] for frame in seen]) for name in expected}
+    unit = np.linalg.norm(drawn["A"] - drawn["O"], axis=1).mean() / np.linalg.norm(expected["A"][0])  # pixels a metre
+    for name, place in expected.items():
+        np.testing.assert_allclose(drawn[name] - drawn["O"], place * (unit, -unit), atol=0.5)  # half a pixel
 
 
 class Links(HTMLParser):

@@ -10,6 +10,7 @@ import pytest
 import sympy as sp
 
 from mechlib.hacksaw import Hacksaw
+from mechlib.wiper import Wiper
 
 BOOK = Path(__file__).parents[1] / "book"
 
@@ -65,6 +66,7 @@ def test_every_mechlib_name_of_the_page_exists(page):
     names = [
         *(row[-1] for row in page["shared"] if row[-1]),
         *(f"hacksaw.Hacksaw.{row[-1]}" for row in page["hacksaw"]),
+        *(f"wiper.Wiper.{row[-1]}" for row in page["wiper"]),
     ]
     assert len(names) > 30
     for name in names:
@@ -102,7 +104,10 @@ def test_every_symbol_of_the_page_has_one_meaning_within_its_table(page):
         assert len(set(symbols)) == len(symbols)
 
 
-def test_the_wipers_names_are_those_of_its_chapter(page):
-    chapter = code("newton-nd")
-    for *_, name in page["wiper"]:
-        assert not name or re.search(rf"\b{name}\b", chapter)
+def test_every_length_and_coordinate_of_the_wiper_is_in_the_table_under_its_own_symbol(page):
+    rows = {row[0]: row[-1] for row in page["wiper"]}
+    for k, symbol in enumerate(Wiper.parameters[:7]):
+        assert rows[f"${sp.latex(symbol).replace('{', '').replace('}', '')}$"] == f"r{k}"
+    for coordinate in (*Wiper.closure.unknowns, Wiper.closure.input):
+        for symbol in coordinate:
+            assert looked_up(f"wiper.Wiper.{rows[f'${sp.latex(symbol)}$']}") == symbol
