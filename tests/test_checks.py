@@ -23,6 +23,7 @@ POINTS = {  # as the course says
     "05_consecutive": [3, 4, 3],
     "06_simultaneous": [1.5, 2.5, 3, 3],
     "07_closed_form": [4, 4, 2],
+    "08_wiper_kinematics": [2, 3, 3, 3],
 }
 
 

@@ -8,6 +8,7 @@ from autograder.checks import (
     e05_consecutive,
     e06_simultaneous,
     e07_closed_form,
+    e08_wiper_kinematics,
 )
 from autograder.spec import Exercise, Task
 
@@ -19,6 +20,7 @@ _MODULES = (
     e05_consecutive,
     e06_simultaneous,
     e07_closed_form,
+    e08_wiper_kinematics,
 )
 EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}
 

@@ -499,10 +499,15 @@ def nine_cases(rng: np.random.Generator) -> list[Case]:
 
 
 def slopes(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First and second time derivatives of positions in the middle of five instants; fourth order in the step."""
-    middle, far_back, back, ahead, far_ahead = np.unwrap(q.reshape(5, -1, 3), axis=0)  # no r1 leaps by metres
-    first = (8 * (ahead - back) - (far_ahead - far_back)) / (12 * STEP)
-    return first, (16 * (ahead + back) - (far_ahead + far_back) - 30 * middle) / (12 * STEP**2)
+    """First and second time derivatives of positions in the middle of five instants."""
+    return differences(np.unwrap(q.reshape(5, -1, 3), axis=0), STEP)  # no r1 leaps by metres
+
+
+def differences(five: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """First and second derivatives at the first of five instants, from those BESIDE it; fourth order in the step."""
+    middle, far_back, back, ahead, far_ahead = five
+    first = (8 * (ahead - back) - (far_ahead - far_back)) / (12 * step)
+    return first, (16 * (ahead + back) - (far_ahead + far_back) - 30 * middle) / (12 * step**2)
 
 
 def shaped(trial: Trial, right: Trial) -> np.ndarray | str:

@@ -1,4 +1,4 @@
-"""300 students hand in six notebooks each: how long it takes, and whether memory grows with their number.
+"""300 students hand in all notebooks each: how long it takes, and whether memory grows with their number.
 
 python tests/benchmarks/cohort_of_300.py [--students N] [--exercises NAME ...] [-j N]
 """
@@ -69,6 +69,13 @@ MISTAKES = {
         ("cannot = np.abs(sine) > 1", "cannot = sine > 1"),
         ("2 * v_r * omega1", "v_r * omega1"),
         ("errors.max(axis=1)", "errors.mean(axis=1)"),
+    ),
+    "08_wiper_kinematics": (
+        ("longest >= shortest + p + q", "longest > shortest + p + q"),
+        ("np.stack((r2 * np.sin(theta2), -r3 * np.sin(theta3))", "np.stack((r2 * np.sin(theta2), r3 * np.sin(theta3))"),
+        ("iterations.append(steps)", "iterations.append(steps + 1)"),
+        ("x1 * n1 + x2 * n2 - x3 * n3", "x1 * n1 + x2 * n2 + x3 * n3"),
+        ("F + r4 * blade, F,", "C + r4 * blade, F,"),
     ),
 }
 

@@ -100,6 +100,9 @@ PARTS: dict[str, Callable[..., int]] = {
     "closed_position": lambda theta2, *rest: np.size(theta2),  # crank angles
     "closed_form": lambda theta2, *rest: len(theta2),  # points
     "absolute_errors": lambda computed, exact: computed.size,  # numbers
+    "wiper_positions": lambda f, theta1, *rest: len(theta1),  # crank angles
+    "wiper_rates": lambda q, crank, lengths: len(q),  # points
+    "wiper_points": lambda theta1, *rest: len(theta1),  # points
 }
 
 
