@@ -90,20 +90,18 @@ class Paper:
 
     def __init__(self, task: Task, cases: Sequence[Case]):
         self.task, self.cases = task, cases
-        self._imitations: dict[Variant, list[Trial]] = {}
+        self._imitations: dict[tuple[Variant, int], Trial] = {}
 
     @cached_property
     def expected(self) -> list[Trial]:
         """The right answers."""
         return [attempt(self.task.reference, case) for case in self.cases]
 
-    def imitations(self, variant: Variant) -> list[Trial]:
-        """What a known mistake answers to the cases of its kind."""
-        if variant not in self._imitations:
-            self._imitations[variant] = [
-                attempt(variant.function, case) for case in self.cases if case.kind == variant.kind
-            ]
-        return self._imitations[variant]
+    def imitation(self, variant: Variant, k: int) -> Trial:
+        """What a known mistake answers to a case."""
+        if (variant, k) not in self._imitations:
+            self._imitations[variant, k] = attempt(variant.function, self.cases[k])
+        return self._imitations[variant, k]
 
 
 def drawn(task: Task, salt: str, student: str) -> Paper:
@@ -181,15 +179,22 @@ def _convergence(task: Task, trials: Sequence[Trial], expected: Sequence[Trial])
 
 def recognise(paper: Paper, trials: Sequence[Trial]) -> Variant | None:
     """The known mistake that explains every trial; None unless it is the only one that does."""
-    task, explains = paper.task, []
-    for variant in task.variants:
-        same = _same_path if variant.by_path else lambda a, b: task.disagreement(a.outcome, b.outcome) is None
-        pairs = [(t, right) for t, right in zip(trials, paper.expected, strict=True) if t.case.kind == variant.kind]
-        imitations = paper.imitations(variant)
-        tells = any(not same(im, right) for im, (_, right) in zip(imitations, pairs, strict=True))
-        if tells and all(same(im, trial) for im, (trial, _) in zip(imitations, pairs, strict=True)):
-            explains.append(variant)
+    explains = [variant for variant in paper.task.variants if _explains(variant, paper, trials)]
     return explains[0] if len(explains) == 1 else None
+
+
+def _explains(variant: Variant, paper: Paper, trials: Sequence[Trial]) -> bool:
+    """Whether a known mistake does what was done in every trial, and in one of them not what is right."""
+    task = paper.task
+    same = _same_path if variant.by_path else lambda a, b: task.disagreement(a.outcome, b.outcome) is None
+    tells = False
+    for k, (trial, right) in enumerate(zip(trials, paper.expected, strict=True)):
+        if trial.case.kind == variant.kind:
+            imitation = paper.imitation(variant, k)
+            if not same(imitation, trial):
+                return False
+            tells = tells or not same(imitation, right)
+    return tells
 
 
 def _same_path(a: Trial, b: Trial) -> bool:

@@ -56,6 +56,9 @@ def grashof_class(ground, crank, coupler, rocker):
             ("PQ = sum(lengths) - S - L", "PQ = sum(sorted(lengths)[1:3])"),
             ("abs(SL - PQ) < 1e-9 * PQ", "SL == PQ"),
         ),
+        "Sums that are not the same are taken for a change point": (
+            ("abs(SL - PQ) < 1e-9 * PQ", "np.isclose(SL, PQ)"),
+        ),
         "A change point is given another class": (
             ('    if abs(SL - PQ) < 1e-9 * PQ:\n        return "change-point"\n', ""),
             ("PQ = sum(lengths) - S - L", "PQ = sum(sorted(lengths)[1:3])"),
@@ -168,7 +171,7 @@ def wiper_rates(q, crank, lengths):
         if math.hypot(dx, dy) > 1e-6:
             raise ValueError(f"open at index {i}")
         if abs(math.sin(th3 - th2)) < 1e-6:
-            raise ValueError(f"dead point at index {i}")
+            raise ValueError(f"dead: index {i}")
         s1, c1 = np.sin(th1), np.cos(th1)
         s2, c2 = np.sin(th2), np.cos(th2)
         s3, c3 = np.sin(th3), np.cos(th3)
@@ -245,7 +248,7 @@ def wiper_rates(q, crank, lengths):
         "Positions that leave the loop open get rates": (("math.hypot(dx, dy) > 1e-6", "False"),),
         "A dead point gets rates": (
             (
-                '        if abs(math.sin(th3 - th2)) < 1e-6:\n            raise ValueError(f"dead point at index {i}")\n',
+                '        if abs(math.sin(th3 - th2)) < 1e-6:\n            raise ValueError(f"dead: index {i}")\n',
                 "",
             ),
         ),
