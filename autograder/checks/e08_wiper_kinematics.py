@@ -26,17 +26,17 @@ CLASSES = {"ground": "double-crank", "crank": "crank-rocker", "coupler": "double
 PLACES = tuple(CLASSES)
 
 
-def no_flat_linkage(shortest, p, q, longest) -> str:
+def compared(shortest, p, q, longest) -> str:
     """Which sum is the larger, as `<`, `=` or `>`; sums that differ by rounding are the same."""
     excess = (shortest + longest) - (p + q)
     return "=" if abs(excess) <= 1e-9 * (p + q) else "<" if excess < 0 else ">"
 
 
 def classed(
-    compare: Callable = no_flat_linkage,
+    compare: Callable = compared,
     bars: Callable = sorted,
     deciding: Callable = np.argmin,
-    names: dict[str, str] = {},  # noqa: B006 (never changed)
+    names: dict[str, str] | None = None,
     closes: Callable = lambda longest, others: longest < others,
     positive: bool = True,
 ) -> Callable:
@@ -50,7 +50,7 @@ def classed(
             raise ValueError(f"a bar of {longest:g} cannot be closed")
         turning = CLASSES[PLACES[int(deciding(lengths))]]
         found = {"<": turning, "=": "change-point", ">": "triple-rocker"}[compare(*bars(lengths))]
-        return names.get(found, found)
+        return (names or {}).get(found, found)
 
     return find
 
@@ -118,9 +118,8 @@ def class_cases(rng: np.random.Generator) -> list[Case]:
     s, p, q = (int(n) for n in rng.choice(np.arange(60, 200), 3, replace=False))
     return [
         *(case(plain[k]) for k in rng.permutation(len(plain))),
-        *(
-            case(lengths, "change") for lengths in plain
-        ),  # the rule must be right, lest a wrong one be taken for another
+        # with a wrong rule the sums that are the same cannot tell how they were compared
+        *(case(lengths, "change") for lengths in plain),
         *(case(flat(1000, sign), "change") for sign in (-1, 1)),
         case(flat(1, 0), "change"),
         *(case(placed(rng, bars, rng.choice(PLACES)), "change") for bars in near),
@@ -208,7 +207,7 @@ GRASHOF_CLASS = Task(
         Variant(
             "The inequality is turned round",
             "If the longest bar is very long, can anything still turn round?",
-            classed(lambda *bars: {"<": ">", ">": "<", "=": "="}[no_flat_linkage(*bars)]),
+            classed(lambda *bars: {"<": ">", ">": "<", "=": "="}[compared(*bars)]),
             share=0.25,
         ),
         Variant(
@@ -254,8 +253,8 @@ GRASHOF_CLASS = Task(
             "What if the two sums are the same?",
             classed(exactly("<")),
             classed(exactly(">")),
-            classed(lambda *bars: "<" if no_flat_linkage(*bars) == "=" else no_flat_linkage(*bars)),
-            classed(lambda *bars: ">" if no_flat_linkage(*bars) == "=" else no_flat_linkage(*bars)),
+            classed(lambda *bars: "<" if compared(*bars) == "=" else compared(*bars)),
+            classed(lambda *bars: ">" if compared(*bars) == "=" else compared(*bars)),
             share=0.5,
             kind="change",
         ),
@@ -289,10 +288,10 @@ SEED = np.deg2rad([55.0, 125.0])  # source B
 Positions = tuple[np.ndarray, np.ndarray]
 
 
-def random_wiper(rng: np.random.Generator, size: float = 1.0) -> Wiper:
+def random_wiper(rng: np.random.Generator) -> Wiper:
     """Lengths near those of source B: a crank-rocker whose transmission angle is 25 degrees or more."""
     while True:
-        r0, r1, r2, r3, r4, r5, r6 = size * rng.uniform(0.85, 1.15, 7) * [0.245, 0.105, 0.22, 0.15, 0.3, 0.3, 0.645]
+        r0, r1, r2, r3, r4, r5, r6 = rng.uniform(0.85, 1.15, 7) * [0.245, 0.105, 0.22, 0.15, 0.3, 0.3, 0.645]
         apart = r0 + np.array([-r1, r1])
         between = np.abs(r2**2 + r3**2 - apart**2) / (2 * r2 * r3)
         wiper = Wiper(r0, r1, r2, r3, r4, r5, r6)
@@ -436,8 +435,7 @@ def open_case(rng: np.random.Generator, warm: bool) -> Case:
     while True:
         wiper = random_wiper(rng)
         wiper = replace(wiper, r2=(wiper.r0 + wiper.r1) * rng.uniform(0.9, 0.97) - wiper.r3)
-        theta1 = np.linspace(0.3, np.pi, 18) + rng.uniform(0, 0.05)
-        theta1 = theta1 * rng.choice([-1, 1])
+        theta1 = (np.linspace(0.3, np.pi, 18) + rng.uniform(0, 0.05)) * rng.choice([-1, 1])
         gaps = wiper.gap(theta1)
         first = int(np.argmax(gaps > 0))
         # no number of iterations is taken for the index, and each angle is clearly on one side
