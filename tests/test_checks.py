@@ -24,6 +24,7 @@ POINTS = {  # as the course says
     "06_simultaneous": [1.5, 2.5, 3, 3],
     "07_closed_form": [4, 4, 2],
     "08_wiper_kinematics": [2, 3, 3, 3],
+    "09_wiper_inverse_dynamics": [2, 2, 4, 3, 1, 1, 1],
 }
 
 

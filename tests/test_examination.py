@@ -48,6 +48,10 @@ TOGETHER = {  # two mistakes that are a third
         "The angular acceleration of the crank is forgotten",
         "The angular velocity of the crank is forgotten",
     ): "The crank does not move in the derivatives",
+    (
+        "m d^2 is added on the way to the centre of mass",
+        "m d^2 is subtracted on the way from the centre of mass",
+    ): "m d^2 is added and subtracted the wrong way round",
     ("r1 is eliminated from Fx and Fy", "The rows are in the order Fc, Fx, Fy"): "It is source A's matrix (17)",
     (
         "The right side of the velocities has the wrong sign",

@@ -9,6 +9,7 @@ from autograder.checks import (
     e06_simultaneous,
     e07_closed_form,
     e08_wiper_kinematics,
+    e09_wiper_inverse_dynamics,
 )
 from autograder.spec import Exercise, Task
 
@@ -21,6 +22,7 @@ _MODULES = (
     e06_simultaneous,
     e07_closed_form,
     e08_wiper_kinematics,
+    e09_wiper_inverse_dynamics,
 )
 EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}
 

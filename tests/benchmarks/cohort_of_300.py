@@ -77,6 +77,15 @@ MISTAKES = {
         ("x1 * n1 + x2 * n2 - x3 * n3", "x1 * n1 + x2 * n2 + x3 * n3"),
         ("F + r4 * blade, F,", "C + r4 * blade, F,"),
     ),
+    "09_wiper_inverse_dynamics": (
+        ("central + mass * wanted**2", "inertia + mass * wanted**2"),
+        ("lengths[4] * rocker", "lengths[3] * rocker"),
+        ("needed = bars[:, 1, None] * (accelerations + [0, G])", "needed = bars[:, 1, None] * accelerations"),
+        ("system(-size * direction)", "system(size * direction)"),
+        ("return x[:, 0],", "return np.abs(x[:, 0]),"),
+        ("of_motor + of_loads - moved", "of_motor - of_loads - moved"),
+        ("(1, plus[k]), (-1, minus[k])", "(1, plus[k]), (1, minus[k])"),
+    ),
 }
 
 

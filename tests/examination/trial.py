@@ -24,7 +24,7 @@ ROUND_OFF = 1e-12
 
 # Where an aspect looks at the points of evaluation as well, or counts them.
 BY_EVALUATIONS = {"brackets", "newton_1d", "failures", "newton", "jacobian_fd"}
-BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points"}
+BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points", "torque_and_forces"}
 
 
 class Endless(BaseException):
@@ -103,6 +103,13 @@ PARTS: dict[str, Callable[..., int]] = {
     "wiper_positions": lambda f, theta1, *rest: len(theta1),  # crank angles
     "wiper_rates": lambda q, crank, lengths: len(q),  # points
     "wiper_points": lambda theta1, *rest: len(theta1),  # points
+    "steiner": lambda inertia, *rest: len(inertia),  # bodies
+    "centre_accelerations": lambda motion, *rest: motion.shape[1],  # points
+    "fifteen_equations": lambda motion, *rest: motion.shape[1],  # points
+    "torque_and_forces": lambda system, velocities, size: len(velocities),  # points
+    "power_residual": lambda motion, *rest: motion.shape[1],  # points
+    "body_residuals": lambda motion, *rest: motion.shape[1],  # points
+    "planted_mistake": lambda motion, *rest: motion.shape[1],  # points
 }
 
 
