@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mechlib import require
 from mechlib.closure import compiled
-from mechlib.rigidbody import Point, RigidBodies
+from mechlib.rigidbody import LinearSystem, Point, RigidBodies
 from mechlib.sweep import Mechanism, Sweep
 
 
@@ -97,7 +97,9 @@ def friction(velocity: ArrayLike, size: float, v0: float = 0.0) -> np.ndarray:
     return -size * velocity / moving * (np.tanh(speed / v0) if v0 else 1.0)
 
 
-def inverse_dynamics(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> Reactions:
+def inverse_dynamics(
+    machine: Machine, sweep: Sweep, loads: ArrayLike | None = None, system: LinearSystem | None = None
+) -> Reactions:
     """Torque and joint forces along a motion, from one linear system a point.
 
     Parameters
@@ -107,6 +109,8 @@ def inverse_dynamics(machine: Machine, sweep: Sweep, loads: ArrayLike | None = N
         Its motion.
     loads : array_like, shape (points, number of loads, 2), optional
         The known forces at the centres of mass, in the order of `RigidBodies.loads`, N; none if left out.
+    system : LinearSystem, optional
+        The equations, with the columns of `RigidBodies.inverse`; those of the machine if left out.
 
     Returns
     -------
@@ -121,7 +125,8 @@ def inverse_dynamics(machine: Machine, sweep: Sweep, loads: ArrayLike | None = N
     ----------
     Source B, inverse dynamics, 15 equations.
     """
-    found = _solution(type(machine))(*_values(machine, sweep, loads))
+    solution = system.compiled(arguments(type(machine))) if system else _solution(type(machine))
+    found = solution(*values(machine, sweep, loads))
     pairs = found[:, 1:].reshape(len(found), -1, 2)
     return Reactions(found[:, 0], {joint.name: pairs[:, k] for k, joint in enumerate(machine.rigid.joints)})
 
@@ -131,7 +136,7 @@ def power(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> np.
 
     Parameters are those of `inverse_dynamics`; returns shape (points,).
     """
-    return _power(type(machine))(*_values(machine, sweep, loads))[..., 0, 0]
+    return _power(type(machine))(*values(machine, sweep, loads))[..., 0, 0]
 
 
 def residuals(machine: Machine, sweep: Sweep, reactions: Reactions, loads: ArrayLike | None = None) -> np.ndarray:
@@ -176,12 +181,12 @@ def residuals(machine: Machine, sweep: Sweep, reactions: Reactions, loads: Array
 
 
 def _trace(machine: Machine, sweep: Sweep, point: Point) -> Trace:
-    arguments = _values(machine, sweep)
-    return Trace(*(function(*arguments)[..., 0] for function in _point(type(machine), point)))
+    at = values(machine, sweep)
+    return Trace(*(function(*at)[..., 0] for function in _point(type(machine), point)))
 
 
-def _values(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> tuple:
-    """Numbers for `_arguments`: columns over the points, and constants."""
+def values(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> tuple:
+    """Numbers for `arguments`: columns over the points, and constants."""
     motion = sweep.motion
     states = (
         (motion.position, *sweep.position.T),
@@ -192,7 +197,8 @@ def _values(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> t
     return (*(column for state in states for column in state), *machine.constants, *components)
 
 
-def _arguments(machine: type[Machine]) -> tuple[sp.Symbol, ...]:
+def arguments(machine: type[Machine]) -> tuple[sp.Symbol, ...]:
+    """What the equations of a mechanism depend on: coordinates and rates, parameters, and components of the loads."""
     closure = machine.rigid.closure
     coordinates = zip(closure.input, *closure.unknowns, strict=True)
     loads = (component for load in machine.rigid.loads for component in load.force)
@@ -214,14 +220,14 @@ def at_points(machine: Machine, points: int, loads: ArrayLike | None) -> np.ndar
 def _point(machine: type[Machine], point: Point) -> tuple[Callable[..., np.ndarray], ...]:
     rigid = machine.rigid
     of_time = (sp.Matrix(point), rigid.velocity(point), rigid.acceleration(point))
-    return tuple(compiled(_arguments(machine), expressions) for expressions in of_time)
+    return tuple(compiled(arguments(machine), expressions) for expressions in of_time)
 
 
 @cache
 def _solution(machine: type[Machine]) -> Callable[..., np.ndarray]:
-    return machine.rigid.inverse.compiled(_arguments(machine))
+    return machine.rigid.inverse.compiled(arguments(machine))
 
 
 @cache
 def _power(machine: type[Machine]) -> Callable[..., np.ndarray]:
-    return compiled(_arguments(machine), sp.Matrix([machine.rigid.power]))
+    return compiled(arguments(machine), sp.Matrix([machine.rigid.power]))

@@ -207,8 +207,8 @@ def test_the_condition_number_of_the_15_by_15_matrix_is_at_most_67(wiper, exact)
     from mechlib.closure import compiled
 
     rigid = wiper.rigid
-    arguments = dynamics._arguments(Wiper)
-    matrices = compiled(arguments, rigid.inverse.matrix)(*dynamics._values(wiper, exact))
+    arguments = dynamics.arguments(Wiper)
+    matrices = compiled(arguments, rigid.inverse.matrix)(*dynamics.values(wiper, exact))
     assert np.linalg.cond(matrices).max() <= 67
 
 
