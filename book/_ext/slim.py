@@ -7,9 +7,12 @@ from sphinx.application import Sphinx
 
 
 def slim(svg: str) -> str:
-    """The same picture: no remarks, no space between tags, and no decimals beyond a thousandth of a point."""
+    """The same picture: no remarks, no names of groups, no needless space, and no more than thousandths of a point."""
     svg = re.sub(r"<!--.*?-->|<metadata>.*?</metadata>|<!DOCTYPE.*?>", "", svg, flags=re.DOTALL)
     svg = re.sub(r"\d+\.\d{4,}", lambda number: f"{float(number[0]):.3f}".rstrip("0").rstrip("."), svg)
+    svg = re.sub(r'(?<=<g) id="[^"]*"', "", svg)  # nothing refers to a group
+    svg = re.sub(r'(?<= d=")[^"]*', lambda path: re.sub(r"\s*([A-Za-z])\s*", r"\1", path[0]), svg)
+    svg = re.sub(r'(?<=style=")[^"]*', lambda style: re.sub(r"([:;])\s+", r"\1", style[0]), svg)
     return re.sub(r"\s+", " ", re.sub(r">\s+<", "><", svg)).strip() + "\n"
 
 
