@@ -180,7 +180,8 @@ def simulate(
         nonlocal asked
         asked += 1
         if asked > max_evaluations:
-            raise ArithmeticError(f"the motion gets no further than t = {now:.6g} s in {max_evaluations} evaluations")
+            where = f"t = {now:.6g} s, {machine.rigid.closure.input.position} = {state[0]:.6g}"
+            raise ArithmeticError(f"the motion gets no further than {where} in {max_evaluations} evaluations")
         q, v = way.full(state[:-1])
         acting = None if loads is None else np.asarray(loads(q[None], v[None]), dtype=float)
         M = float(require.finite("torque", torque(now, q[0], v[0])))

@@ -121,15 +121,18 @@ def run_up(
     ------
     StallError
         If it comes to rest, or turns back; says where, and which torque would turn it on.
+    OpenLoopError
+        If the linkage cannot be turned all the way round; says where it stays open.
     ValueError
         If a number is not finite, or friction has no width.
     """
     require.positive(v0=v0)
+    reach = _reach(machine)
     run = simulate(machine, motor, (theta, 0.0), t, rubbing(machine, friction, v0), rtol=rtol)
     speed = run.velocity[:, 0]
     back = np.flatnonzero(speed[1:] <= 0) + 1
     # Where true friction would hold it, friction that fades lets it creep: at 3 v0 it is whole but for half a percent.
-    if back.size or speed[-1] < 3 * v0 / _reach(machine):
+    if back.size or speed[-1] < 3 * v0 / reach:
         k = back[0] if back.size else len(speed) - 1
         q, given = run.position[k], float(motor(run.t[k], *run.position[k, :1], 0.0))
         raise StallError(

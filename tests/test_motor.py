@@ -6,6 +6,7 @@ from linkages import TURN
 
 from mechlib import dynamics
 from mechlib.batched import batched
+from mechlib.closure import OpenLoopError
 from mechlib.direct import Run, rubbing, simulate
 from mechlib.motion import Motion
 from mechlib.motor import Motor, StallError, Turns, run_up, turning_torque
@@ -113,6 +114,22 @@ def test_a_motor_or_a_friction_that_cannot_be_is_refused_with_the_value(wiper, m
         make(wiper)
 
 
+def test_no_motor_runs_a_linkage_up_that_is_no_crank_rocker():
+    longer = Wiper(r1=0.130)
+    assert longer.grashof == "triple-rocker"
+    with pytest.raises(OpenLoopError, match=r"the loop cannot close at theta_1 = .*: .* m are missing \(and at"):
+        run_up(longer, Motor(30.0, 4.0), [0, 1])
+
+
+def test_a_motion_that_ends_in_a_dead_point_says_where():
+    """Coupler and rocker are in line where the pin A is as far from C as both are long."""
+    longer = Wiper(r1=0.130)
+    dead = np.arccos((longer.r0**2 + longer.r1**2 - (longer.r2 + longer.r3) ** 2) / (2 * longer.r0 * longer.r1))
+    with pytest.raises((ArithmeticError, OpenLoopError)) as refused:
+        simulate(longer, lambda *_: 5.0, (0.0, 1.0), [0, 2], max_evaluations=5000)
+    assert float(str(refused.value).split("theta_1 = ")[1].split()[0].rstrip(":")) == pytest.approx(dead, abs=1e-4)
+
+
 def test_friction_that_leaps_at_rest_ends_in_words_and_not_in_waiting(wiper):
-    with pytest.raises(ArithmeticError, match=r"gets no further than t = .* s in 2000 evaluations"):
+    with pytest.raises(ArithmeticError, match=r"gets no further than t = .* s, theta_1 = .* in 2000 evaluations"):
         simulate(wiper, lambda *_: 0.3, (0.0, 0.0), [0, 1], rubbing(wiper, FRICTION, 0.0), max_evaluations=2000)
