@@ -1,9 +1,11 @@
-"""The saw of mechlib and that of a multibody engine, which shares no equation with it, are the same saw."""
+"""The mechanisms of mechlib and those of a multibody engine, which shares no equation with it, are the same."""
 
-import importlib.util
+import runpy
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import exudyn
 import numpy as np
@@ -12,9 +14,15 @@ import pytest
 from mechlib.hacksaw import Hacksaw
 from mechlib.motion import MotorProfile
 from mechlib.sweep import consecutive
+from mechlib.wiper import Wiper
 
-SCRIPT = Path(__file__).parents[1] / "book" / "engine" / "hacksaw.py"
-TABLES = ("hacksaw.csv", "hacksaw_steps.csv")
+ENGINE = Path(__file__).parents[1] / "book" / "engine"
+TABLES = {
+    "hacksaw": ("hacksaw.csv", "hacksaw_steps.csv"),
+    "wiper": ("wiper_inverse.csv", "wiper_run_up.csv", "wiper_coasting.csv", "wiper_steps.csv"),
+}
+COLUMNS = {"hacksaw": (10, 10), "wiper": (31, 3, 3, 9)}
+COARSER = 4  # the wiper is run again with steps so many times as long: seconds, and not a minute
 
 # Parts of a quantity's range: of the stroke for the length r1, of its own swing for an angle.
 AGREES = np.repeat([1e-9, 1e-6, 1e-3], 3)
@@ -24,13 +32,94 @@ AGREES = np.repeat([1e-9, 1e-6, 1e-3], 3)
 # (3e-8). The errors of the engine itself, 2e-7 and 1e-6, stay well above.
 ROUND_OFF = np.repeat([1e-14, 1e-10, 1e-7], 3)
 
+# The same for the columns of wiper_steps.csv. Forces go with h to the power of minus two, and a unit in the last place of
+# a length or of the time of a turn moves them by up to 6e-9 with the coarser steps, and 4e-7 with those of the table.
+WIPER_ROUND_OFF = np.array([1e-7] * 4 + [1e-11, 1e-7, 1e-9, 1e-7])
+FINEST_ROUND_OFF = np.array([4e-6] * 4 + [1e-11, 1e-7, 1e-9, 1e-7])
+
+
+def table(folder, name):
+    return np.loadtxt(folder / name, delimiter=",")
+
+
+def python(code, cwd=None):
+    """Run it where the scripts of the engine can be imported."""
+    code = f"import runpy, sys; from pathlib import Path; sys.path.insert(0, {str(ENGINE)!r}); {code}"
+    return subprocess.run([sys.executable, "-c", code], cwd=cwd, capture_output=True, text=True)
+
+
+def run_again(tmp_path_factory, name, *arguments):
+    """The script, run once more: the folder of its tables, what it said, and what it left where it ran."""
+    here, there = tmp_path_factory.mktemp("here"), tmp_path_factory.mktemp("there")
+    call = ", ".join((f"Path({str(there)!r})", *map(str, arguments)))
+    done = python(f"import {name}; {name}.main({call})", cwd=here)
+    done.check_returncode()
+    return there, done, list(here.iterdir())
+
 
 @pytest.fixture(scope="module")
-def engine():
-    spec = importlib.util.spec_from_file_location("engine_hacksaw", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def hacksaw_again(tmp_path_factory):
+    return run_again(tmp_path_factory, "hacksaw")
+
+
+@pytest.fixture(scope="module")
+def wiper_again(tmp_path_factory):
+    return run_again(tmp_path_factory, "wiper", COARSER)
+
+
+@pytest.fixture(params=TABLES)
+def again(request):
+    """Of either mechanism: its name, and its script run again."""
+    return request.param, request.getfixturevalue(f"{request.param}_again")
+
+
+def script(name):
+    """What a script defines."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ENGINE)
+        return SimpleNamespace(**runpy.run_path(str(ENGINE / f"{name}.py")))
+
+
+# --- either mechanism
+
+
+def test_a_run_says_what_it_wrote_and_leaves_nothing_else(again):
+    name, (there, done, here) = again
+    assert [Path(line.partition(": ")[0]) for line in done.stdout.splitlines()] == [there / t for t in TABLES[name]]
+    assert done.stderr == ""
+    assert here == []
+    assert sorted(path.name for path in there.iterdir()) == sorted(TABLES[name])
+
+
+def test_a_table_says_what_made_it_and_what_its_columns_are(again):
+    name, (there, *_) = again
+    for file, columns in zip(TABLES[name], COLUMNS[name], strict=True):
+        first, *_, last = [line for line in (there / file).read_text("utf-8").splitlines() if line.startswith("#")]
+        assert first == f"# Exudyn {exudyn.__version__}, made by: python book/engine/{name}.py"
+        assert len(set(last.split(", "))) == table(ENGINE, file).shape[1] == table(there, file).shape[1] == columns
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_without_the_engine_one_sentence_says_what_to_type(name):
+    done = python(f"sys.modules['exudyn'] = None; runpy.run_path({str(ENGINE / name)!r} + '.py', run_name='__main__')")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == "The engine, exudyn, is not installed: type make environment\n"
+
+
+@pytest.mark.parametrize(
+    ("runs", "given"),
+    [
+        ("import hacksaw; hacksaw.simulate(1)", ["mechlib", "mechlib.motion", "mechlib.require"]),
+        ("import wiper; wiper.by_engine((30.0, 3.83), 8)", []),
+    ],
+    ids=["hacksaw: the motion of its motor", "wiper: two numbers"],
+)
+def test_of_mechlib_the_engine_is_given_no_more_than_the_motor(runs, given):
+    done = python(f"{runs}; print(*sorted(name for name in sys.modules if name.startswith('mechlib')))")
+    assert (done.stdout.split(), done.stderr) == (given, "")
+
+
+# --- the hacksaw
 
 
 @pytest.fixture(scope="module")
@@ -50,22 +139,9 @@ def span(mechlib):
     return np.ptp(mechlib, axis=0)
 
 
-def table(folder, name):
-    return np.loadtxt(folder / name, delimiter=",")
-
-
 @pytest.fixture(scope="module")
 def saw():
-    return table(SCRIPT.parent, "hacksaw.csv")
-
-
-@pytest.fixture(scope="module")
-def again(tmp_path_factory):
-    """The script, run once more: the folder of its tables, what it said, and what it left where it ran."""
-    here, there = tmp_path_factory.mktemp("here"), tmp_path_factory.mktemp("there")
-    code = f"import pathlib, runpy; runpy.run_path({str(SCRIPT)!r})['main'](pathlib.Path({str(there)!r}))"
-    done = subprocess.run([sys.executable, "-c", code], cwd=here, capture_output=True, text=True, check=True)
-    return there, done, list(here.iterdir())
+    return table(ENGINE, "hacksaw.csv")
 
 
 def errors(found, expected, span):
@@ -77,8 +153,8 @@ def test_the_stored_table_agrees_with_mechlib_at_every_instant(saw, motion, mech
     assert (errors(saw[:, 1:], mechlib, span) < AGREES).all()
 
 
-def test_the_engine_run_again_reproduces_the_stored_table_and_agrees_too(again, saw, mechlib, span):
-    new = table(again[0], "hacksaw.csv")
+def test_the_engine_run_again_reproduces_the_stored_table_and_agrees_too(hacksaw_again, saw, mechlib, span):
+    new = table(hacksaw_again[0], "hacksaw.csv")
     assert (errors(new[:, 1:], saw[:, 1:], span) < ROUND_OFF).all()
     assert (errors(new[:, 1:], mechlib, span) < AGREES).all()
 
@@ -89,8 +165,8 @@ def test_a_length_that_is_a_nanometre_off_would_be_seen(saw, motion, span, chang
     assert (errors(saw[:, 1:4], other, span[:3]) > 2 * AGREES[:3]).any()
 
 
-def test_positions_are_exact_at_any_step_and_the_rest_has_the_order_two_of_the_integrator(again):
-    stored, new = (table(folder, "hacksaw_steps.csv") for folder in (SCRIPT.parent, again[0]))
+def test_positions_are_exact_at_any_step_and_the_rest_has_the_order_two_of_the_integrator(hacksaw_again):
+    stored, new = (table(folder, "hacksaw_steps.csv") for folder in (ENGINE, hacksaw_again[0]))
     assert (np.abs(new - stored)[:, 1:] < ROUND_OFF).all()
     for steps in (stored, new):
         np.testing.assert_allclose(steps[:-1, 0] / steps[1:, 0], 2, rtol=1e-12)
@@ -98,38 +174,81 @@ def test_positions_are_exact_at_any_step_and_the_rest_has_the_order_two_of_the_i
         np.testing.assert_allclose(np.log2(steps[:-1, 4:] / steps[1:, 4:]), 2, atol=0.1)
 
 
-def test_the_limit_of_small_steps_is_mechlib(engine, saw, mechlib, span):
+def test_the_limit_of_small_steps_is_mechlib(saw, mechlib, span):
     """Richardson extrapolation takes the error of order two away; what is left is of order four, and round-off."""
+    engine = script("hacksaw")
     limit = (4 * saw[:, 1:] - engine.simulate(engine.STEPS // 2)) / 3
     assert (errors(limit, mechlib, span)[3:] < np.repeat([2e-9, 1e-7], 3)).all()
 
 
-def test_the_engine_is_given_the_motion_of_the_motor_and_nothing_else_of_mechlib():
-    code = (
-        f"import runpy, sys; runpy.run_path({str(SCRIPT)!r})['simulate'](1); "
-        "print(*sorted(name for name in sys.modules if name.startswith('mechlib')))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["mechlib", "mechlib.motion", "mechlib.require"]
+# --- the wiper
 
 
-def test_a_run_says_what_it_wrote_and_leaves_nothing_else(again):
-    there, done, here = again
-    assert [Path(line.partition(": ")[0]) for line in done.stdout.splitlines()] == [there / name for name in TABLES]
-    assert done.stderr == ""
-    assert here == []
-    assert sorted(path.name for path in there.iterdir()) == sorted(TABLES)
+def tables(folder):
+    return {file[len("wiper_") : -len(".csv")]: table(folder, file) for file in TABLES["wiper"][:-1]}
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_a_table_says_what_made_it_and_what_its_columns_are(again, name):
-    first, *_, last = [line for line in (again[0] / name).read_text("utf-8").splitlines() if line.startswith("#")]
-    assert first == f"# Exudyn {exudyn.__version__}, made by: python book/engine/hacksaw.py"
-    assert len(last.split(", ")) == table(SCRIPT.parent, name).shape[1] == 10
+@pytest.fixture(scope="module")
+def wiper():
+    return script("wiper")
 
 
-def test_without_the_engine_one_sentence_says_what_to_type():
-    code = f"import runpy, sys; sys.modules['exudyn'] = None; runpy.run_path({str(SCRIPT)!r}, run_name='__main__')"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr == "The engine, exudyn, is not installed: type make environment\n"
+@pytest.fixture(scope="module")
+def turn_and_motions(wiper):
+    """What mechlib has for the three tables."""
+    return wiper.by_mechlib(wiper.through_mean(), tables(ENGINE))
+
+
+def test_torque_and_joint_forces_over_a_turn_agree_within_1e_5_of_their_ranges(wiper, turn_and_motions):
+    off = wiper.errors(tables(ENGINE), turn_and_motions)
+    assert max(off["M without friction"], off["M"]) < 5e-6
+    assert max(off["joint forces without friction"], off["joint forces"]) < 1e-5
+
+
+def test_the_run_up_agrees_within_1e_5_of_35_rpm_from_the_first_instant_on(wiper, turn_and_motions):
+    off = wiper.errors(tables(ENGINE), turn_and_motions)
+    assert off["omega_1 running up"] < 5e-6
+    assert off["theta_1 running up"] < 2e-8
+
+
+def test_the_engine_has_the_verified_torques_and_the_coasting_wiper_of_source_b():
+    turn, coasting = table(ENGINE, "wiper_inverse.csv"), table(ENGINE, "wiper_coasting.csv")
+    free, rubbed = turn[:, 1], turn[:, 16]
+    np.testing.assert_allclose([free.min(), free.max()], [-2.1396116335, 2.3845747939], atol=2e-5)
+    np.testing.assert_allclose([rubbed.min(), rubbed.max()], [-0.7824455265, 4.5923100587], atol=2e-5)
+    at_e = np.abs(turn[:, 16 + 1 + 2 * "OABCDEF".index("E") :][:, :2]).max(axis=0)
+    np.testing.assert_allclose(at_e, [32.24432821, 1.50472315], rtol=1e-5)
+    np.testing.assert_allclose(coasting[-1], [2.0, 13.74361211, 3.76830092], rtol=5e-5)
+
+
+@pytest.mark.parametrize("bar", range(5))
+def test_a_gram_more_on_a_bar_would_be_seen(wiper, bar):
+    masses = list(Wiper.masses)
+    masses[bar] = replace(masses[bar], mass=masses[bar].mass + 1e-3)
+    other = wiper.turn_by_mechlib(Wiper(masses=tuple(masses)), 0.0)[:, :1]
+    assert errors(table(ENGINE, "wiper_inverse.csv")[:, 1:2], other, np.ptp(other)) > 2e-5
+
+
+def test_the_wiper_run_again_errs_as_stored_and_all_errors_fall_with_the_square_of_the_step(wiper_again):
+    stored, new = (table(folder, "wiper_steps.csv") for folder in (ENGINE, wiper_again[0]))
+    np.testing.assert_allclose(stored[:, 0], [1 / 8, 1 / 4, 1 / 2, 1])
+    assert (np.abs(new - stored[: len(new)])[:, 1:] < WIPER_ROUND_OFF).all()
+    orders = np.log2(stored[:-1, 1:] / stored[1:, 1:])
+    np.testing.assert_allclose(orders[1:], 2, atol=0.1)
+    np.testing.assert_allclose(orders[0], 2, atol=0.2)
+
+
+def test_the_limit_of_small_steps_is_mechlib_for_the_wiper_too(wiper, turn_and_motions, wiper_again):
+    """Richardson extrapolation from the tables and from those with steps four times as long."""
+    fine, coarse = tables(ENGINE), tables(wiper_again[0])
+    limit = {name: (COARSER**2 * fine[name] - coarse[name]) / (COARSER**2 - 1) for name in fine}
+    off = wiper.errors(limit, turn_and_motions)
+    assert max(off[name] for name in off if "coasting" not in name) < 1e-6
+    assert max(off.values()) < 1e-4
+
+
+@pytest.mark.proof
+def test_the_wiper_run_again_gives_the_stored_tables(wiper, tmp_path_factory):
+    there, *_ = run_again(tmp_path_factory, "wiper")
+    off = wiper.errors(tables(there), tables(ENGINE))
+    assert (np.array(list(off.values())) < FINEST_ROUND_OFF).all()

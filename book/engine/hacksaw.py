@@ -11,10 +11,10 @@ References
 Source A, sections 6.3 and 7.3, and appendix B.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
+from planar import Model, engine, write
 
 from mechlib.motion import MotorProfile
 
@@ -33,9 +33,7 @@ UNITS = "m rad rad m/s rad/s rad/s m/s^2 rad/s^2 rad/s^2".split()
 def simulate(steps: int = STEPS) -> np.ndarray:
     """The saw at the 1000 instants, as the engine moves it.
 
-    The motor prescribes the angle of the crank, so that no freedom is left and masses do not matter. The integrator is
-    the generalised-alpha method with the constraints on positions (index 3): the positions are as exact as its Newton
-    iteration, the velocities and accelerations have an error of order two.
+    The motor prescribes the angle of the crank, so that no freedom is left and masses do not matter.
 
     The jerk of the motor leaps where its acceleration has a corner. There the method's accelerations are wrong by
     order one, and its spectral radius says how slowly that dies out. With a radius of zero it takes two steps, and no
@@ -56,70 +54,33 @@ def simulate(steps: int = STEPS) -> np.ndarray:
     ModuleNotFoundError
         If Exudyn is not installed.
     """
-    import exudyn as exu  # here, so that the tables can be made use of without it
-    from exudyn import itemInterface as item
-
     times, h = np.linspace(0, INSTANTS[-1], steps * (len(INSTANTS) - 1) + 1, retstep=True)
     theta2 = PROFILE.at(times).position
-    container = exu.SystemContainer()
-    saw = container.AddSystem()
-
-    def body(x, y, angle):
-        node = saw.AddNode(item.NodeRigidBody2D(referenceCoordinates=[x, y, angle]))
-        return node, saw.AddObject(item.ObjectRigidBody2D(mass=1, inertia=1, nodeNumber=node))
-
-    def point(body, x, y=0.0):
-        return saw.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[x, y, 0]))
-
-    def coordinate(node, which):
-        return saw.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=which))
+    saw = Model()
 
     # Assembled at theta2 = 0, the slider to the left of the crank. A body is carried at O, A or B.
     reach = np.sqrt(R3**2 - R1Y**2)
-    ground = saw.AddObject(item.ObjectGround())
-    shaft, crank = body(0, 0, 0)
-    pin, coupler = body(R2, 0, np.arctan2(R1Y, -reach))
-    end, slider = body(R2 - reach, R1Y, 0)
+    crank = saw.body(0, 0, 0)
+    coupler = saw.body(R2, 0, np.arctan2(R1Y, -reach))
+    slider = saw.body(R2 - reach, R1Y, 0)
     for first, second in (
-        (point(ground, 0), point(crank, 0)),
-        (point(crank, R2), point(coupler, 0)),
-        (point(coupler, R3), point(slider, 0)),
+        (saw.point(saw.ground, 0), saw.point(crank, 0)),
+        (saw.point(crank, R2), saw.point(coupler, 0)),
+        (saw.point(coupler, R3), saw.point(slider, 0)),
     ):
-        saw.AddObject(item.ObjectJointRevolute2D(markerNumbers=[first, second]))
-    saw.AddObject(
-        item.ObjectJointPrismatic2D(
-            markerNumbers=[point(ground, 0, R1Y), point(slider, 0)], axisMarker0=[1, 0, 0], normalMarker1=[0, 1, 0]
+        saw.revolute(first, second)
+    saw.system.AddObject(
+        saw.item.ObjectJointPrismatic2D(
+            markerNumbers=[saw.point(saw.ground, 0, R1Y), saw.point(slider, 0)],
+            axisMarker0=[1, 0, 0],
+            normalMarker1=[0, 1, 0],
         )
     )
-    saw.AddObject(
-        item.ObjectConnectorCoordinate(
-            markerNumbers=[coordinate(saw.AddNode(item.NodePointGround()), 0), coordinate(shaft, 2)],
-            offsetUserFunction=lambda saw, t, *_: theta2[round(t / h)],  # it is asked at the ends of steps only
-        )
-    )
+    saw.drive(crank, lambda t: theta2[round(t / h)])  # it is asked at the ends of steps only
+    for body in (slider, coupler):
+        saw.watch(body, "CoordinatesTotal", "Coordinates_t", "Coordinates_tt")
 
-    kind = exu.OutputVariableType
-    sensors = [
-        saw.AddSensor(
-            item.SensorNode(nodeNumber=node, outputVariableType=output, storeInternal=True, writeToFile=False)
-        )
-        for node in (end, pin)
-        for output in (kind.CoordinatesTotal, kind.Coordinates_t, kind.Coordinates_tt)
-    ]
-    saw.Assemble()
-
-    settings = exu.SimulationSettings()
-    settings.solution.file.write = False
-    settings.solution.solverInformationFileName = ""
-    settings.solution.sensors.writePeriod = 0  # every step
-    integration = settings.timeIntegration
-    integration.endTime, integration.numberOfSteps, integration.adaptiveStep = times[-1], len(times) - 1, False
-    integration.generalizedAlpha.spectralRadius = 0
-    integration.newton.useModifiedNewton = False
-    integration.newton.relativeTolerance, integration.newton.absoluteTolerance = 1e-10, 1e-12
-    saw.SolveDynamic(settings)
-
-    read = [saw.GetSensorStoredData(sensor)[::steps, 1:] for sensor in sensors]
+    read = [values[::steps] for values in saw.solve(times[-1], len(times) - 1, spectral_radius=0)]
     slider, coupler = read[:3], read[3:]
     of_line = polar(*(values[:, :2] for values in slider))
     of_coupler = [values[:, 2] for values in coupler]
@@ -158,36 +119,26 @@ def time_step_study() -> np.ndarray:
     return np.array(errors) / np.ptp(expected, axis=0)
 
 
-def write(path, comments, rows):
-    """A table in which every number has all its digits."""
-    lines = [f"# {comment}" for comment in comments] + [",".join(map(repr, row)) for row in rows]
-    path.write_text("\n".join(lines) + "\n", encoding="utf8", newline="\n")
-
-
 def main(folder: Path = HERE) -> None:
     """Write both tables."""
-    try:
-        import exudyn
-    except ModuleNotFoundError:
-        sys.exit("The engine, exudyn, is not installed: type make environment")
-
-    engine = f"Exudyn {exudyn.__version__}, made by: python book/engine/hacksaw.py"
+    version = engine()
+    made_by = f"{version}, made by: python book/engine/hacksaw.py"
     interval = float(INSTANTS[1])
     write(
         folder / "hacksaw.csv",
         [
-            engine,
+            made_by,
             f"step of the integrator: {interval / STEPS!r} s, {STEPS} from one instant to the next",
             "time, then the nine quantities of the hacksaw",
             ", ".join(f"{name} [{unit}]" for name, unit in zip(["t", *QUANTITIES], ["s", *UNITS], strict=True)),
         ],
         np.column_stack((INSTANTS, simulate())).tolist(),
     )
-    print(f"{folder / 'hacksaw.csv'}: Exudyn {exudyn.__version__}, {len(INSTANTS)} instants")
+    print(f"{folder / 'hacksaw.csv'}: {version}, {len(INSTANTS)} instants")
     write(
         folder / "hacksaw_steps.csv",
         [
-            engine,
+            made_by,
             "step of the integrator, then the largest error of each quantity against mechlib, in parts of its range",
             ", ".join(["h [s]", *QUANTITIES]),
         ],
