@@ -14,7 +14,7 @@ help:
 	@echo 'make course       install, release the exercises, build the book, grade the sample cohort'
 	@echo 'make test         every test: style, exercises up to date, book, notebooks, pytest'
 	@echo 'make proofs       the long proofs'
-	@echo 'make benchmarks   speed and memory: the grader beside nbgrader, 300 students, a mechanism along its motion'
+	@echo 'make benchmarks   speed and memory: the grader beside nbgrader, 300 students, both mechanisms'
 	@echo 'make environment  only .venv, from requirements.lock'
 	@echo 'make lock         requirements.lock anew, from pyproject.toml'
 	@echo 'make clean        remove what was built'
@@ -64,6 +64,7 @@ benchmarks: environment system
 	$(call step,side by side with nbgrader,$(BIN)/python tests/benchmarks/against_nbgrader.py)
 	$(call step,300 students,$(BIN)/python tests/benchmarks/cohort_of_300.py)
 	$(call step,a mechanism along its motion,$(BIN)/python tests/benchmarks/sweeps.py)
+	$(call step,dynamics beside loops and an engine,$(BIN)/python tests/benchmarks/wiper.py)
 
 system:
 	@sh .ci/packages

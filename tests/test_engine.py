@@ -32,8 +32,8 @@ AGREES = np.repeat([1e-9, 1e-6, 1e-3], 3)
 # (3e-8). The errors of the engine itself, 2e-7 and 1e-6, stay well above.
 ROUND_OFF = np.repeat([1e-14, 1e-10, 1e-7], 3)
 
-# The same for the columns of wiper_steps.csv. Forces go with h to the power of minus two, and a unit in the last place of
-# a length or of the time of a turn moves them by up to 6e-9 with the coarser steps, and 4e-7 with those of the table.
+# The same for the columns of wiper_steps.csv. Forces go with h to the power of minus two: a unit in the last place of a
+# length or of the time of a turn moves them by up to 6e-9 with the coarser steps, and 4e-7 with those of the table.
 WIPER_ROUND_OFF = np.array([1e-7] * 4 + [1e-11, 1e-7, 1e-9, 1e-7])
 FINEST_ROUND_OFF = np.array([4e-6] * 4 + [1e-11, 1e-7, 1e-9, 1e-7])
 

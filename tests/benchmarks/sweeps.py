@@ -8,7 +8,6 @@ is missed, 2 the numbers are not the same, and the comparison is void.
 
 import argparse
 import datetime
-import gc
 import json
 import subprocess
 import sys
@@ -23,7 +22,7 @@ import numpy as np
 import peers
 import scipy.optimize
 import sympy as sp
-from measuring import computer
+from measuring import best, computer
 from rich.console import Console
 from rich.table import Table
 
@@ -201,19 +200,6 @@ def parts() -> dict[str, float]:
 
 
 # --- measuring --------------------------------------------------------------------------------------------------------
-
-
-def best(work: Callable[[], object], calls: int = 1, tries: int = 5) -> float:
-    """Seconds of one call: the best of some tries, for other work on the computer only ever adds."""
-    seconds = []
-    gc.disable()
-    for _ in range(tries):
-        begin = time.perf_counter()
-        for _ in range(calls):
-            work()
-        seconds.append((time.perf_counter() - begin) / calls)
-    gc.enable()
-    return min(seconds)
 
 
 def ways(motion: Motion) -> dict[str, dict]:
