@@ -48,14 +48,14 @@ SPEED = 35 * 2 * np.pi / 60  # rad/s
 TURN = 2 * np.pi / SPEED  # s
 FRICTION = 4.5  # N
 WIDTH = 0.01  # m/s, the speed below which friction fades in direct dynamics
-SHARP = (
-    1e-5  # m/s, the same in inverse dynamics: at no point of the table is a centre of mass as slow as thirty times that
-)
+# The same in inverse dynamics, where a leap does no harm but the crank starts from rest: at no angle of the table is a
+# centre of mass slower than thirty times that.
+SHARP = 1e-5
 STALL = 30.0  # N m, torque of the motor at standstill
 
 JOINTS = "OABCDEF"
 DEGREES = 360
-RUN_UP = (0.1, 100), (2.9, 290)  # s, and how many instants: a fortieth of a second, and it has its speed
+RUN_UP = (0.1, 100), (2.9, 290)  # s, and how many instants: in a twentieth of a second it has its speed
 COASTING = 2.0, 100
 STEPS = {"inverse": 8, "run_up": 40, "coasting": 200}  # of the integrator, from one point or instant to the next
 COARSER = (8, 4, 2, 1)  # times as long steps, for the study
