@@ -79,6 +79,9 @@ def test_the_verified_digits_of_the_coasting_wiper_follow_from_the_energy_alone(
     assert '"13.74361211", "3.76830092"' in PAGE
     fastest = speed(TURN)
     assert 70 < fastest.max() < 75
+    peak = fastest.argmax()
+    before = np.flatnonzero(fastest[:peak] < fastest[peak] / 10)[-1]
+    assert np.trapezoid(1 / fastest[before : peak + 1], TURN[before : peak + 1]) < 0.1  # s, and tenfold
 
 
 def test_a_loop_that_only_its_accelerations_know_of_opens_and_the_integrator_reports_success():
@@ -151,6 +154,16 @@ def test_friction_stops_the_coasting_wiper_after_0_13_s_and_lets_it_creep_in_pro
         assert np.rad2deg(th1) == pytest.approx(37, abs=0.5)
         creeps.append(omega)
     assert creeps[0] / creeps[1] == pytest.approx(3, rel=0.02)
+
+
+def test_with_fixed_steps_coulomb_friction_chatters_about_rest():
+    th1, omega, step, signs = 0.64, 0.0, 1e-3, []
+    for _ in range(300):
+        signs.append(np.sign(omega))
+        alpha = acceleration(th1, omega, -signs[-1] * reduced(th1)[3])
+        th1, omega = th1 + step * omega, omega + step * alpha
+    for part in (signs[10:155], signs[155:]):  # it does not die out
+        assert np.count_nonzero(np.diff(part)) > len(part) / 6
 
 
 def test_where_the_widest_friction_lets_it_sink_to_nothing_pulls():
