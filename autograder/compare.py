@@ -88,13 +88,22 @@ def difference(expected: Any, got: Any, tolerance: Tolerance) -> str | None:
         off = np.where(right_nan | (expected == answer), 0.0, np.abs(answer - expected))
     if (off <= allowed).all():
         return None
-    for factor, words in FACTORS.items():
-        if scale and (np.abs(answer - factor * expected) <= abs(factor) * allowed).all():
-            return words
+    if scale and (words := _factor(expected, answer, allowed)):
+        return words
     worst = np.unravel_index(np.argmax(np.nan_to_num(off, nan=np.inf)), off.shape)
     where = f" at index {_index(worst)}" if off.ndim else ""
     size = f"{off[worst] / scale:.1g} of the scale" if scale else f"{off[worst]:.1g}"
     return f"it is off by {size}{where}; {tolerance.reason}"
+
+
+def _factor(expected: np.ndarray, answer: np.ndarray, allowed: float) -> str | None:
+    largest = np.nanargmax(np.abs(expected))
+    right, got = expected.flat[largest], answer.flat[largest]
+    for factor, words in FACTORS.items():
+        near = abs(factor) * allowed
+        if abs(got - factor * right) <= near and (np.abs(answer - factor * expected) <= near).all():
+            return words
+    return None
 
 
 def wrong_shape(got: np.ndarray, right: object) -> str:
