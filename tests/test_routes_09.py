@@ -122,13 +122,13 @@ def by_turning_matrices(motion, lengths, bars):
 
 @cache
 def of_mechlib():
-    arguments = dynamics._arguments(Wiper)
+    arguments = dynamics.arguments(Wiper)
     system = Wiper.rigid.inverse
     return compiled(arguments, system.matrix), compiled(arguments, system.right)
 
 
 def by_the_rows_of_mechlib(motion, accelerations, loads, lengths, bars):
-    values = dynamics._values(*given(motion, lengths, bars), loads)
+    values = dynamics.values(*given(motion, lengths, bars), loads)
     matrix, right = (function(*values) for function in of_mechlib())
     return matrix, right[..., 0]
 
