@@ -30,7 +30,7 @@ class OpenLoopError(ValueError):
         By how much, m.
     """
 
-    def __init__(self, what: str, inputs: ArrayLike, gaps: ArrayLike):
+    def __init__(self, what: str, inputs: ArrayLike, gaps: ArrayLike, limit: str = ""):
         inputs, gaps = np.ravel(inputs), np.ravel(gaps)
         self.points = np.flatnonzero(gaps > 0)
         self.gaps = gaps[self.points]
@@ -38,6 +38,7 @@ class OpenLoopError(ValueError):
         many = f" (and at {others} other point{'s' if others > 1 else ''})" if others else ""
         super().__init__(
             f"the loop cannot close at {what} = {inputs[first]:.6g}: {self.gaps[0]:.3g} m are missing{many}"
+            + (f"; {limit}" if limit else "")
         )
 
 

@@ -263,7 +263,7 @@ def _state(machine: type[Machine]) -> tuple[sp.Symbol, ...]:
 def _functions(machine: type[Machine]) -> tuple[Callable[..., np.ndarray], Callable[..., np.ndarray]]:
     rigid = machine.rigid
     loads = (component for load in rigid.loads for component in load.force)
-    arguments = (*_state(machine), rigid.torque, *machine.parameters, *loads)
+    arguments = (*_state(machine), rigid.drive, *machine.parameters, *loads)
     return compiled(arguments, rigid.direct.matrix), compiled(arguments, rigid.direct.right)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mechlib import require
 from mechlib.closure import compiled
-from mechlib.rigidbody import LinearSystem, Point, RigidBodies
+from mechlib.rigidbody import Joint, LinearSystem, Point, RigidBodies
 from mechlib.sweep import Mechanism, Sweep
 
 
@@ -46,9 +46,10 @@ class Reactions:
     Attributes
     ----------
     torque : ndarray, shape (points,)
-        Of the motor, N m.
+        Of the motor, N m; the thrust in N where a cylinder drives.
     forces : dict of str to ndarray, shape (points, 2)
-        By the name of the joint: the force on the body that its `Joint` names first, N.
+        By the name of the joint: the force on the body that its `Joint` names first, N; of a `Slide`, the force across
+        it and the moment, N m.
     """
 
     torque: np.ndarray
@@ -156,7 +157,7 @@ def residuals(machine: Machine, sweep: Sweep, reactions: Reactions, loads: Array
     ndarray, shape (points, bodies, 3)
         Forces along x and y in N, and the moment about the centre of mass in N m.
     """
-    rigid, loads = machine.rigid, at_points(machine, len(sweep.motion), loads)
+    rigid, at, loads = machine.rigid, values(machine, sweep), at_points(machine, len(sweep.motion), loads)
     value = dict(zip(machine.parameters, machine.constants, strict=True))
     turning = dict(zip(rigid.accelerations, (sweep.motion.acceleration, *sweep.acceleration.T), strict=True))
     weight = np.array([0.0, -value[rigid.gravity]])
@@ -170,10 +171,11 @@ def residuals(machine: Machine, sweep: Sweep, reactions: Reactions, loads: Array
             moment += reactions.torque
         for joint in rigid.joints:
             if body.name in (joint.on, joint.by):
-                acting = reactions.forces[joint.name] * (1 if body.name == joint.on else -1)
+                given = _transmitted(type(machine), joint)(*at, reactions.torque, *reactions.forces[joint.name].T)
+                x, y, m = given[..., 0].T * (1 if body.name == joint.on else -1)
                 arm = _trace(machine, sweep, joint.at).position - centre.position
-                force += acting
-                moment += arm[:, 0] * acting[:, 1] - arm[:, 1] * acting[:, 0]
+                force += np.stack((x, y), axis=-1)
+                moment += arm[:, 0] * y - arm[:, 1] * x + m
         for n, load in enumerate(rigid.loads):
             if load.on == body.name:
                 force += loads[:, n]
@@ -221,6 +223,12 @@ def _point(machine: type[Machine], point: Point) -> tuple[Callable[..., np.ndarr
     rigid = machine.rigid
     of_time = (sp.Matrix(point), rigid.velocity(point), rigid.acceleration(point))
     return tuple(compiled(arguments(machine), expressions) for expressions in of_time)
+
+
+@cache
+def _transmitted(machine: type[Machine], joint: Joint) -> Callable[..., np.ndarray]:
+    rigid = machine.rigid
+    return compiled((*arguments(machine), rigid.drive, *joint.unknowns), sp.Matrix(rigid.transmitted(joint)))
 
 
 @cache

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
+from mechlib import require
 from mechlib.closure import Closure, Coordinate, compiled
 
 Point = tuple[sp.Expr, sp.Expr]
@@ -36,6 +37,38 @@ def steiner(inertia: float, mass: float, distance: float) -> float:
         kg m^2.
     """
     return inertia + mass * distance**2
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass, moment of inertia and centre of mass of a bar.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    inertia : float
+        About the centre of mass, kg m^2.
+    centre : float
+        Distance of the centre of mass from the joint or the end at which the bar begins, m.
+    """
+
+    mass: float
+    inertia: float
+    centre: float
+
+    def __post_init__(self):
+        require.positive(mass=self.mass, inertia=self.inertia, centre=self.centre)
+
+    @classmethod
+    def about_joint(cls, mass: float, inertia: float, centre: float) -> "MassProperties":
+        """With the moment of inertia about the joint, from which the centre of mass is so far; see `steiner`."""
+        return cls(mass, steiner(inertia, -mass, centre), centre)
+
+    @classmethod
+    def slender(cls, mass: float, length: float, centre: float) -> "MassProperties":
+        """Of a thin, straight bar of that length, alike all along."""
+        return cls(mass, mass * length**2 / 12, centre)
 
 
 @dataclass(frozen=True)
@@ -81,8 +114,51 @@ class Joint:
     by: str
 
     @property
-    def force(self) -> tuple[sp.Symbol, sp.Symbol]:
+    def unknowns(self) -> tuple[sp.Symbol, sp.Symbol]:
+        """What is not known of its force and of its moment."""
         return sp.symbols(f"{self.name}_x {self.name}_y")
+
+    @property
+    def force(self) -> tuple[sp.Expr, sp.Expr]:
+        """On the first body, along x and y."""
+        return self.unknowns
+
+    @property
+    def moment(self) -> sp.Expr:
+        """On the first body, beside that of the force; a pin has none."""
+        return sp.S.Zero
+
+
+@dataclass(frozen=True)
+class Slide(Joint):
+    """A straight guide: two bodies slide along a line that turns with them, and cannot turn against each other.
+
+    Its unknowns are the force across the line and the moment.
+
+    Attributes
+    ----------
+    along : Coordinate
+        The angle of the line; a quarter turn on from it the force across is positive.
+    """
+
+    along: Coordinate
+
+    @property
+    def unknowns(self) -> tuple[sp.Symbol, sp.Symbol]:
+        return sp.symbols(f"{self.name}_n {self.name}_m")
+
+    @property
+    def force(self) -> tuple[sp.Expr, sp.Expr]:
+        across, angle = self.unknowns[0], self.along.position
+        return -across * sp.sin(angle), across * sp.cos(angle)
+
+    @property
+    def moment(self) -> sp.Expr:
+        return self.unknowns[1]
+
+    def push(self, size: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+        """A force of that size along the line, along x and y."""
+        return size * sp.cos(self.along.position), size * sp.sin(self.along.position)
 
 
 @dataclass(frozen=True)
@@ -133,7 +209,8 @@ class RigidBodies:
     joints : tuple of Joint
     loads : tuple of Load
     motor : str
-        The body on which the torque of the motor acts; the motor stands on the ground.
+        The body on which the torque of the motor acts; the motor stands on the ground.  Or the slide along which a
+        cylinder pushes the first body away from the second.
     """
 
     closure: Closure
@@ -142,13 +219,23 @@ class RigidBodies:
     loads: tuple[Load, ...]
     motor: str
 
-    torque = sp.Symbol("M")
+    torque, thrust = sp.symbols("M Q")
     gravity = sp.Symbol("g")
 
     @cached_property
+    def drive(self) -> sp.Symbol:
+        """What drives the mechanism: the torque of a motor, or the thrust of a cylinder."""
+        return self.thrust if self.motor in {joint.name for joint in self.joints} else self.torque
+
+    @cached_property
     def forces(self) -> tuple[sp.Symbol, ...]:
-        """The components of the joint forces, joint after joint."""
-        return tuple(component for joint in self.joints for component in joint.force)
+        """The unknowns of the joints, joint after joint."""
+        return tuple(unknown for joint in self.joints for unknown in joint.unknowns)
+
+    def transmitted(self, joint: Joint) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """Force along x and y and moment on the first body of a joint, with the thrust of the cylinder in it."""
+        x, y = joint.push(self.thrust) if joint.name == self.motor else (0, 0)
+        return joint.force[0] + x, joint.force[1] + y, joint.moment
 
     @cached_property
     def accelerations(self) -> tuple[sp.Symbol, ...]:
@@ -164,13 +251,17 @@ class RigidBodies:
         return found
 
     def _of(self, body: Body) -> dict[str, sp.Expr]:
-        acting = [(j.at, j.force) for j in self.joints if j.on == body.name]
-        acting += [(j.at, tuple(-f for f in j.force)) for j in self.joints if j.by == body.name]
+        acting, moment = [], sp.S.Zero
+        for joint in self.joints:
+            if body.name in (joint.on, joint.by):
+                x, y, m = (part if body.name == joint.on else -part for part in self.transmitted(joint))
+                acting.append((joint.at, (x, y)))
+                moment += m
         acting += [(body.centre, load.force) for load in self.loads if load.on == body.name]
         acting += [(body.centre, (0, -body.mass * self.gravity))]
         inertial = tuple(-body.mass * a for a in self.acceleration(body.centre))
         about = next(joint.at for joint in self.joints if joint.name == body.about)
-        moment = sum(_moment(at, about, force) for at, force in (*acting, (body.centre, inertial)))
+        moment += sum(_moment(at, about, force) for at, force in (*acting, (body.centre, inertial)))
         if body.angle is not None:
             moment -= body.inertia * body.angle.acceleration
         if body.name == self.motor:
@@ -187,12 +278,12 @@ class RigidBodies:
 
     @cached_property
     def inverse(self) -> LinearSystem:
-        """The motion is given: torque of the motor and joint forces are unknown."""
-        return _linear(self.equations, (self.torque, *self.forces))
+        """The motion is given: what drives and the joint forces are unknown."""
+        return _linear(self.equations, (self.drive, *self.forces))
 
     @cached_property
     def direct(self) -> LinearSystem:
-        """The torque is given: accelerations and joint forces are unknown, and the closure adds its equations."""
+        """What drives is given: accelerations and joint forces are unknown, and the closure adds its equations."""
         closed = {f"closure {k}": e for k, e in enumerate(self.closure.acceleration_equations, start=1)}
         return _linear(self.equations | closed, (*self.accelerations, *self.forces))
 
@@ -211,7 +302,7 @@ class RigidBodies:
 
     @cached_property
     def power(self) -> sp.Expr:
-        """What the motor gives: the energies' rate of change, less what the loads give."""
+        """What drives gives: the energies' rate of change, less what the loads give."""
         energy = sp.Matrix([self.kinetic_energy + self.potential_energy])
         centres = {body.name: body.centre for body in self.bodies}
         of_loads = sum((sp.Matrix(load.force).dot(self.velocity(centres[load.on])) for load in self.loads), sp.S.Zero)

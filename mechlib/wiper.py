@@ -17,7 +17,7 @@ from sympy import cos, sin
 from mechlib import require
 from mechlib.closure import Closure, Coordinate, Loop, OpenLoopError
 from mechlib.grashof import FourBar, grashof
-from mechlib.rigidbody import GROUND, Body, Joint, Load, RigidBodies, steiner
+from mechlib.rigidbody import GROUND, Body, Joint, Load, MassProperties, RigidBodies
 
 Branch = Literal["open", "crossed"]
 CRANK, COUPLER, FIRST, SECOND, BAR = BODIES = ("crank", "coupler", "first blade", "second blade", "bar")
@@ -89,33 +89,6 @@ def _rigid(closure: Closure, points: dict) -> RigidBodies:
         loads=(Load(FIRST, sp.symbols("f_3x f_3y")), Load(SECOND, sp.symbols("f_4x f_4y"))),
         motor=CRANK,
     )
-
-
-@dataclass(frozen=True)
-class MassProperties:
-    """Mass, moment of inertia and centre of mass of a bar.
-
-    Attributes
-    ----------
-    mass : float
-        kg.
-    inertia : float
-        About the centre of mass, kg m^2.
-    centre : float
-        Distance of the centre of mass from the joint about which the bar's moments are taken, m.
-    """
-
-    mass: float
-    inertia: float
-    centre: float
-
-    def __post_init__(self):
-        require.positive(mass=self.mass, inertia=self.inertia, centre=self.centre)
-
-    @classmethod
-    def about_joint(cls, mass: float, inertia: float, centre: float) -> "MassProperties":
-        """With the moment of inertia about the joint, from which the centre of mass is so far; see `steiner`."""
-        return cls(mass, steiner(inertia, -mass, centre), centre)
 
 
 @dataclass(frozen=True)
