@@ -25,6 +25,7 @@ POINTS = {  # as the course says
     "07_closed_form": [4, 4, 2],
     "08_wiper_kinematics": [2, 3, 3, 3],
     "09_wiper_inverse_dynamics": [2, 2, 4, 3, 1, 1, 1],
+    "10_wiper_direct_dynamics": [4, 3, 2, 2],
 }
 
 

@@ -69,6 +69,30 @@ TOGETHER = {  # two mistakes that are a third
         "r1 is made positive",
         "theta1 is half a turn off on the left branch",
     ): "r1 is positive on both branches, and theta1 points to the slider",
+    (
+        "The centripetal terms of the closure are missing",
+        "The centripetal terms of the bodies are missing",
+    ): "All centripetal terms are missing",
+    (
+        "The centripetal terms of the closure have the wrong sign",
+        "The centripetal terms of the bodies have the wrong sign",
+    ): "All centripetal terms have the wrong sign",
+    (
+        "The work of the torque is forgotten",
+        "The work of the loads is forgotten",
+    ): "The work is forgotten",
+    (
+        "The work of the torque has the wrong sign",
+        "The work of the loads has the wrong sign",
+    ): "The work has the wrong sign",
+    (
+        "The work has the wrong sign",
+        "The work of the torque has the wrong sign",
+    ): "The work of the loads has the wrong sign",
+    (
+        "The work has the wrong sign",
+        "The work of the loads has the wrong sign",
+    ): "The work of the torque has the wrong sign",
 }
 WRITTEN = pytest.mark.parametrize("name", STUDENTS)
 DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark.proof)])

@@ -10,6 +10,7 @@ from autograder.checks import (
     e07_closed_form,
     e08_wiper_kinematics,
     e09_wiper_inverse_dynamics,
+    e10_wiper_direct_dynamics,
 )
 from autograder.spec import Exercise, Task
 
@@ -23,6 +24,7 @@ _MODULES = (
     e07_closed_form,
     e08_wiper_kinematics,
     e09_wiper_inverse_dynamics,
+    e10_wiper_direct_dynamics,
 )
 EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}
 

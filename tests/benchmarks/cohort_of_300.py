@@ -86,6 +86,13 @@ MISTAKES = {
         ("of_motor + of_loads - moved", "of_motor - of_loads - moved"),
         ("(1, plus[k]), (-1, minus[k])", "(1, plus[k]), (1, minus[k])"),
     ),
+    "10_wiper_direct_dynamics": (
+        ("right[2] -= torque", "right[2] += torque"),
+        ("matrix[moment, min(k, 2)] -= inertia", "matrix[moment, min(k, 2)] -= inertia + mass"),
+        ('"DOP853", t, rtol=1e-11, atol=1e-12)', "t_eval=t)"),
+        ("GRAVITY * height @ mass", "GRAVITY * height[:, :4] @ mass[:4]"),
+        ("np.tanh(speed / v0)", "np.minimum(speed / v0, 1)"),
+    ),
 }
 
 

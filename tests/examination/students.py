@@ -4,7 +4,16 @@ A student's right solution of each task, in a way of its own, and what is edited
 reference or from the variants of the checks. Edits of two mistakes can be made at once where they do not meet.
 """
 
-from examination import students_03, students_04, students_05, students_06, students_07, students_08, students_09
+from examination import (
+    students_03,
+    students_04,
+    students_05,
+    students_06,
+    students_07,
+    students_08,
+    students_09,
+    students_10,
+)
 from examination.student import Student
 
 SOLVER = """
@@ -246,4 +255,5 @@ STUDENTS = {
     **students_07.STUDENTS,
     **students_08.STUDENTS,
     **students_09.STUDENTS,
+    **students_10.STUDENTS,
 }

@@ -25,6 +25,7 @@ ROUND_OFF = 1e-12
 # Where an aspect looks at the points of evaluation as well, or counts them.
 BY_EVALUATIONS = {"brackets", "newton_1d", "failures", "newton", "jacobian_fd"}
 BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points", "torque_and_forces"}
+BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points", "driven_motion"}
 
 
 class Endless(BaseException):
@@ -110,6 +111,10 @@ PARTS: dict[str, Callable[..., int]] = {
     "power_residual": lambda motion, *rest: motion.shape[1],  # points
     "body_residuals": lambda motion, *rest: motion.shape[1],  # points
     "planted_mistake": lambda motion, *rest: motion.shape[1],  # points
+    "direct_system": lambda *args: 17,  # equations
+    "driven_motion": lambda acceleration, torque, start, t, lengths: len(t),  # instants
+    "energy_drift": lambda t, *rest: len(t),  # instants
+    "smooth_friction": lambda velocity, size, v0: velocity.size,  # components
 }
 
 
