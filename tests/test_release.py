@@ -48,7 +48,7 @@ def test_no_line_of_a_solution_is_in_the_exercise(source):
     }
     handed_out = "\n".join(cell.source for cell in nbformat.read(source.exercise, as_version=4).cells)
     assert len(secret) > 20
-    assert [line for line in secret if line and line in handed_out] == []
+    assert [line for line in secret if re.search(r"\w", line) and line in handed_out] == []
     assert "SOLUTION" not in handed_out
 
 
