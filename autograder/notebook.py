@@ -4,7 +4,7 @@ import copy
 import inspect
 
 from autograder.checks import task
-from autograder.judge import Assessment, assess, drawn, undefined
+from autograder.judge import Assessment, Paper, assess, undefined
 from autograder.outcome import Outcome, Raised, Value
 from autograder.report import card_html, card_text
 from autograder.spec import PUBLIC_SALT
@@ -61,4 +61,4 @@ def check(name: str) -> Card | Unknown:
         except Exception as mistake:
             return Raised.of(mistake)
 
-    return Card(assess(drawn(wanted, PUBLIC_SALT, ""), call, public=True))
+    return Card(assess(Paper(wanted, wanted.draw(PUBLIC_SALT, "")), call, public=True))

@@ -121,26 +121,34 @@ class Closure:
         positions, velocities, accelerations = (list(symbols) for symbols in zip(*self.unknowns, strict=True))
         u, du, ddu = self.input
         state = (*positions, *velocities, *accelerations, *self.input)
-        at_rest = dict.fromkeys(velocities, 0)
-        unaccelerated = dict.fromkeys(accelerations, 0)
         return {
             "residual": compiled((*positions, u, *self.parameters), self.position_equations),
             "jacobian": compiled((*positions, u, *self.parameters), self.jacobian),
-            "drive": compiled((*positions, u, du, *self.parameters), self.velocity_equations.subs(at_rest)),
-            "gamma": compiled(
-                (*positions, *velocities, u, du, ddu, *self.parameters),
-                self.acceleration_equations.subs(unaccelerated),
-            ),
+            "drive": compiled((*positions, u, du, *self.parameters), self.drive),
+            "gamma": compiled((*positions, *velocities, u, du, ddu, *self.parameters), self.gamma),
             "newton step": compiled((*positions, u, *self.parameters), self._newton_step),
             "simultaneous residual": compiled((*state, *self.parameters), self.simultaneous_equations),
             "simultaneous jacobian": compiled((*state, *self.parameters), self.simultaneous_jacobian),
         }
 
     @cached_property
-    def _newton_step(self) -> sp.Matrix:
-        """J d = F by Cramer's rule, in symbols: most of it cancels or is shared."""
+    def drive(self) -> sp.Matrix:
+        """F_u u': the velocity equations without the velocities of the unknowns."""
+        return self.velocity_equations.subs({q.velocity: 0 for q in self.unknowns})
+
+    @cached_property
+    def gamma(self) -> sp.Matrix:
+        """The acceleration equations without the accelerations of the unknowns."""
+        return self.acceleration_equations.subs({q.acceleration: 0 for q in self.unknowns})
+
+    def solved(self, right: sp.Matrix) -> sp.Matrix:
+        """J x = right by Cramer's rule, in symbols: most of it cancels or is shared; at most three unknowns."""
         determinant, adjugate = cramer.adjugate(self.jacobian.tolist())
-        return sp.Matrix(cramer.times(adjugate, list(self.position_equations))) / determinant
+        return sp.Matrix(cramer.times(adjugate, list(right))) / determinant
+
+    @cached_property
+    def _newton_step(self) -> sp.Matrix:
+        return self.solved(self.position_equations)
 
     @cached_property
     def _step_at_one_point(self) -> Callable[..., list[float]]:

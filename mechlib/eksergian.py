@@ -16,7 +16,6 @@ from typing import NamedTuple
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from mechlib import cramer
 from mechlib.closure import Closure
 from mechlib.dynamics import Machine, at_points
 from mechlib.rigidbody import RigidBodies
@@ -70,16 +69,10 @@ def velocity_ratios(closure: Closure) -> tuple[sp.Matrix, sp.Matrix]:
     -------
     k, h : Matrix, shape (n, 1)
     """
-    determinant, adjugate = cramer.adjugate(closure.jacobian.tolist())
-
-    def solve(known: sp.Matrix) -> sp.Matrix:
-        return -sp.Matrix(cramer.times(adjugate, list(known))) / determinant
-
-    velocities, accelerations = ([getattr(q, of) for q in closure.unknowns] for of in ("velocity", "acceleration"))
     unit = {closure.input.velocity: 1, closure.input.acceleration: 0}
-    k = solve(closure.velocity_equations.subs(dict.fromkeys(velocities, 0) | unit))
-    gamma = closure.acceleration_equations.subs(dict.fromkeys(accelerations, 0) | unit)
-    return k, solve(gamma.subs(dict(zip(velocities, k, strict=True))))
+    k = -closure.solved(closure.drive.subs(unit))
+    moving = dict(zip((q.velocity for q in closure.unknowns), k, strict=True))
+    return k, -closure.solved(closure.gamma.subs(unit).subs(moving))
 
 
 class Terms(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from autograder.compare import Tolerance, disagreement, numbers, wrong_shape
-from autograder.outcome import Raised, Value
+from autograder.outcome import Outcome, Raised, Value
 from autograder.spec import Trial
 
 NUMBER = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|\b(?:nan|inf)\b)")
@@ -31,6 +31,34 @@ def array(trial: Trial, shape: tuple[int, ...], named: str = "") -> np.ndarray |
     if isinstance(got, str):
         return got
     return got if got.shape == shape else wrong_shape(got, f"{named} = {shape}" if named else shape)
+
+
+def arrays(outcome: Outcome, shapes: dict[str, tuple[int, ...]], named: str) -> tuple[np.ndarray, ...] | str:
+    """The arrays of an answer in several parts, or a sentence that says what came instead.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        One that was not lost.
+    shapes : dict of str to tuple of int
+        By the name of each part: the shape that is right.
+    named : str
+        What all of them are, as ``"a pair (matrix, right)"``.
+    """
+    if isinstance(outcome, Raised):
+        return f"it raised {outcome.type}"
+    assert isinstance(outcome, Value)
+    if not isinstance(outcome.value, (tuple, list)) or len(outcome.value) != len(shapes):
+        return f"it is not {named}"
+    found = []
+    for (name, shape), part in zip(shapes.items(), outcome.value, strict=True):
+        got = numbers(part)
+        if isinstance(got, str):
+            return f"{name}: {got}"
+        if got.shape != shape:
+            return f"{name}: {wrong_shape(got, shape)}"
+        found.append(got)
+    return tuple(found)
 
 
 def said(message: str) -> list[float]:

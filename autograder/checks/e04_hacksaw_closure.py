@@ -16,7 +16,7 @@ def slanted(rng: np.random.Generator) -> float:
     return rng.integers(4) * np.pi / 2 + rng.uniform(0.3, np.pi / 2 - 0.3)
 
 
-def either_sign(rng: np.random.Generator, low: float, high: float, size: int) -> np.ndarray:
+def either_sign(rng: np.random.Generator, low: float, high: float, size: int | tuple[int, ...]) -> np.ndarray:
     return rng.uniform(low, high, size) * rng.choice([-1, 1], size)
 
 

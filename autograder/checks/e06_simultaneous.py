@@ -8,11 +8,11 @@ import numpy as np
 
 from autograder.checks import e04_hacksaw_closure as closure
 from autograder.checks import e05_consecutive as consecutive
-from autograder.checks.answers import array
+from autograder.checks.answers import array, arrays
 from autograder.checks.e04_hacksaw_closure import RIGHT, either_sign, everywhere, slanted, with_vectors
 from autograder.checks.e05_consecutive import TURN, random_saw
 from autograder.checks.iteration import MOST_DRAWN
-from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
+from autograder.compare import Tolerance, difference, disagreement
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
 from mechlib.hacksaw import Hacksaw
@@ -487,24 +487,12 @@ Told = tuple[np.ndarray, np.ndarray, np.ndarray]  # state, iterations, last erro
 
 def told(trial: Trial, shape: tuple[int, ...]) -> Told | str:
     """What was returned, or a sentence that says what came instead."""
-    if isinstance(trial.outcome, Raised):
-        return f"it raised {trial.outcome.type}"
-    assert isinstance(trial.outcome, Value)
-    return three(trial.outcome.value, (shape, shape[:-1], shape[:-1]))
+    return three(trial.outcome, (shape, shape[:-1], shape[:-1]))
 
 
-def three(value: object, shapes: tuple[tuple[int, ...], ...]) -> Told | str:
-    if not isinstance(value, (tuple, list)) or len(value) != 3:
-        return "it is not three things: state, iterations, error"
-    found = []
-    for name, entry, right in zip(("the state", "the iterations", "the error"), value, shapes, strict=True):
-        got = numbers(entry)
-        if isinstance(got, str):
-            return f"{name}: {got}"
-        if got.shape != right:
-            return f"{name}: {wrong_shape(got, right)}"
-        found.append(got)
-    return tuple(found)
+def three(outcome: Outcome, shapes: tuple[tuple[int, ...], ...]) -> Told | str:
+    named = dict(zip(("the state", "the iterations", "the error"), shapes, strict=True))
+    return arrays(outcome, named, "three things: state, iterations, error")
 
 
 def same_effort(expected: Outcome, got: Outcome) -> str | None:
@@ -512,7 +500,7 @@ def same_effort(expected: Outcome, got: Outcome) -> str | None:
     if isinstance(got, Lost) or not (isinstance(expected, Value) and isinstance(got, Value)):
         return disagreement(expected, got, SETTLED)
     states, iterations, last = expected.value
-    answer = three(got.value, tuple(map(np.shape, expected.value)))
+    answer = three(got, tuple(map(np.shape, expected.value)))
     if isinstance(answer, str):
         return answer
     if why := difference(states, answer[0], SETTLED):

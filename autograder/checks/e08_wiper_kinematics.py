@@ -8,7 +8,7 @@ from math import cos, hypot, sin
 
 import numpy as np
 
-from autograder.checks.answers import array, refuses
+from autograder.checks.answers import array, arrays, refuses
 from autograder.checks.e05_consecutive import TURN, says_where
 from autograder.checks.e07_closed_form import BESIDE, by_columns, differences
 from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
@@ -463,24 +463,10 @@ def wiper_cases(rng: np.random.Generator) -> list[Case]:
     ]
 
 
-def parts(outcome: Outcome, shapes: dict[str, tuple[int, ...]]) -> list[np.ndarray] | str:
-    """The arrays of a tuple, or a sentence that says what came instead."""
-    if isinstance(outcome, Raised):
-        return f"it raised {outcome.type}"
-    assert isinstance(outcome, Value)
-    if not isinstance(outcome.value, (tuple, list)) or len(outcome.value) != len(shapes):
-        return f"it is not ({', '.join(shapes)})"
-    found = [numbers(part) for part in outcome.value]
-    for (name, shape), part in zip(shapes.items(), found, strict=True):
-        if isinstance(part, str):
-            return f"{name}: {part}"
-        if part.shape != shape:
-            return f"{name}: {wrong_shape(part, shape)}"
-    return found
-
-
-def shapes_of(right: Outcome, *names: str) -> dict[str, tuple[int, ...]]:
-    return {name: np.shape(part) for name, part in zip(names, right.value, strict=True)}
+def named(outcome: Outcome, right: Outcome, *names: str) -> tuple[np.ndarray, ...] | str:
+    """The arrays of an answer in several parts that have these names."""
+    shapes = {name: np.shape(part) for name, part in zip(names, right.value, strict=True)}
+    return arrays(outcome, shapes, f"({', '.join(names)})")
 
 
 def same_parts(*names: str) -> Callable:
@@ -489,7 +475,7 @@ def same_parts(*names: str) -> Callable:
     def disagree(expected: Outcome, got: Outcome) -> str | None:
         if not (isinstance(expected, Value) and isinstance(got, Value)):
             return disagreement(expected, got, EXACT)
-        found = parts(got, shapes_of(expected, *names))
+        found = named(got, expected, *names)
         if isinstance(found, str):
             return found
         for name, right, answer in zip(names, expected.value, found, strict=True):
@@ -505,7 +491,7 @@ POSITIONS = ("positions", "iterations")
 
 def closes(trial: Trial, right: Trial) -> str | None:
     """Whether the bars meet, drawn from their lengths and angles alone."""
-    found = parts(trial.outcome, shapes_of(right.outcome, *POSITIONS))
+    found = named(trial.outcome, right.outcome, *POSITIONS)
     if isinstance(found, str):
         return found
     _, theta1, (r0, r1, r2, r3), _, tol, *_ = trial.case.args
@@ -525,7 +511,7 @@ def closes(trial: Trial, right: Trial) -> str | None:
 
 
 def counts_its_steps(trial: Trial, right: Trial) -> str | None:
-    found = parts(trial.outcome, shapes_of(right.outcome, *POSITIONS))
+    found = named(trial.outcome, right.outcome, *POSITIONS)
     if isinstance(found, str):
         return found
     more = found[1] - right.outcome.value[1]
@@ -1071,7 +1057,6 @@ WIPER_RATES = Task(
 # --- wiper_points -----------------------------------------------------------------------------------------------------
 
 PARTS = ("points", "speed", "acceleration")
-NAMES = "ABCDEFGH"
 
 
 @dataclass(frozen=True)
@@ -1156,7 +1141,7 @@ def points_cases(rng: np.random.Generator) -> list[Case]:
 
 
 def triple(trial: Trial, right: Trial) -> list[np.ndarray] | str:
-    return parts(trial.outcome, shapes_of(right.outcome, *PARTS))
+    return named(trial.outcome, right.outcome, *PARTS)
 
 
 def is_the_drawing(second: bool) -> Callable:

@@ -6,9 +6,9 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from autograder.checks.answers import array, refuses, said
+from autograder.checks.answers import array, arrays, refuses, said
 from autograder.checks.e05_consecutive import TURN
-from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
+from autograder.compare import Tolerance, difference, disagreement, numbers
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
 from mechlib import dynamics, rigidbody
@@ -127,19 +127,8 @@ def refused(trial: Trial, right: Trial) -> str | None:
     return disagreement(right.outcome, trial.outcome, EXACT)
 
 
-def parts_of(value, names: Sequence[str], shapes: Sequence[tuple[int, ...]]) -> list[np.ndarray] | str:
-    """The parts of an answer, or a sentence that says what came instead."""
-    if not isinstance(value, (tuple, list)) or len(value) != len(names):
-        return f"it is not a pair ({', '.join(names)})"
-    parts = []
-    for name, part, shape in zip(names, value, shapes, strict=True):
-        found = numbers(part)
-        if isinstance(found, str):
-            return f"{name}: {found}"
-        if found.shape != shape:
-            return f"{name}: {wrong_shape(found, shape)}"
-        parts.append(found)
-    return parts
+def pair(outcome: Outcome, names: Sequence[str], shapes: Sequence[tuple[int, ...]]) -> tuple[np.ndarray, ...] | str:
+    return arrays(outcome, dict(zip(names, shapes, strict=True)), f"a pair ({', '.join(names)})")
 
 
 def near(right: np.ndarray, answer: np.ndarray, tolerance: Tolerance) -> bool:
@@ -155,11 +144,11 @@ def same_pair(split_up: Callable, names: Sequence[str], tolerance: Tolerance) ->
         if not (isinstance(expected, Value) and isinstance(got, Value)):
             return disagreement(expected, got, tolerance)
         right = [np.asarray(part) for part in expected.value]
-        answer = parts_of(got.value, names, [part.shape for part in right])
+        answer = pair(got, names, [part.shape for part in right])
         if isinstance(answer, str):
             return answer
         pieces = zip(split_up(*right), split_up(*answer), strict=True)
-        return None if all(near(*pair, tolerance) for pair in pieces) else "a part of it is off"
+        return None if all(near(*piece, tolerance) for piece in pieces) else "a part of it is off"
 
     return agree
 
@@ -702,11 +691,9 @@ def equation_cases(rng: np.random.Generator) -> list[Case]:
     ]
 
 
-def system_of(trial: Trial) -> list[np.ndarray] | str:
-    if isinstance(trial.outcome, Raised):
-        return f"it raised {trial.outcome.type}"
+def system_of(trial: Trial) -> tuple[np.ndarray, ...] | str:
     n = trial.case.args[0].shape[1]
-    return parts_of(trial.outcome.value, ("matrix", "right"), ((n, 15, 15), (n, 15)))
+    return pair(trial.outcome, ("matrix", "right"), ((n, 15, 15), (n, 15)))
 
 
 def piece(k: int) -> Callable:
@@ -1060,10 +1047,8 @@ def solving_cases(rng: np.random.Generator) -> list[Case]:
 TORQUE_AND_FORCES = ("torque", "forces")
 
 
-def motor_and_joints(trial: Trial, points: int) -> list[np.ndarray] | str:
-    if isinstance(trial.outcome, Raised):
-        return f"it raised {trial.outcome.type}"
-    return parts_of(trial.outcome.value, TORQUE_AND_FORCES, ((points,), (points, len(JOINTS), 2)))
+def motor_and_joints(trial: Trial, points: int) -> tuple[np.ndarray, ...] | str:
+    return pair(trial.outcome, TORQUE_AND_FORCES, ((points,), (points, len(JOINTS), 2)))
 
 
 def solves_the_system(trial: Trial, right: Trial) -> str | None:

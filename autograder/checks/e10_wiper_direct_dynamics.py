@@ -10,6 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from autograder.checks.answers import array, refuses, said
+from autograder.checks.e04_hacksaw_closure import either_sign
 from autograder.checks.e05_consecutive import TURN
 from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
 from autograder.outcome import Outcome, Raised, Value
@@ -109,10 +110,6 @@ def words(lengths: np.ndarray) -> str:
     return f"r0 = {lengths[0]:.4g} m, r1 = {lengths[1]:.4g} m, r2 = {lengths[2]:.4g} m, r3 = {lengths[3]:.4g} m"
 
 
-def either_sign(rng: np.random.Generator, low: float, high: float, *shape: int) -> np.ndarray:
-    return rng.uniform(low, high, shape) * rng.choice([-1, 1], shape)
-
-
 # --- direct_system ----------------------------------------------------------------------------------------------------
 
 BODIES = ("crank", "coupler", "first blade", "second blade", "bar")
@@ -192,7 +189,7 @@ def system_cases(rng: np.random.Generator) -> list[Case]:
         lengths, bars = random_machine(rng)
         position = np.array(closed(rng.uniform(0, TURN), lengths))
         velocity = either_sign(rng, 3, 8, 1) * np.array([1, *ratios(position, lengths)])
-        torque, loads = float(either_sign(rng, 2, 6, 1)[0]), either_sign(rng, 2, 6, 2, 2)
+        torque, loads = float(either_sign(rng, 2, 6, 1)[0]), either_sign(rng, 2, 6, (2, 2))
         label = f"theta1 = {position[0]:.3g} rad, {words(lengths)}"
         return Case((position, velocity, torque, loads, lengths, bars), label=label)
 
@@ -647,9 +644,6 @@ def smooth_torque(rng: np.random.Generator, way: float) -> Callable[[float, floa
 def off(states: np.ndarray, right: np.ndarray) -> float:
     """The largest error of angle or speed, each in parts of its largest value."""
     return float((np.abs(states - right) / np.abs(right).max(axis=0)).max())
-
-
-OTHERS = (midpoint, heun, partial(rk4, base=0))  # each must show
 
 
 def moves_smoothly(rng: np.random.Generator, driven: bool) -> tuple:
@@ -1435,8 +1429,6 @@ def whole_and_against(trial: Trial, right: Trial) -> str | None:
     against = (got * velocity).sum(axis=-1)
     return None if (np.abs(against + size * speed) <= 1e-9 * size * speed).all() else "it is not against the velocity"
 
-
-CONTINUOUS = Tolerance(1e-9, "near rest the force is as small as the speed is")
 
 SMOOTH_FRICTION = Task(
     name="smooth_friction",
