@@ -13,7 +13,6 @@ import mmap, os, resource, sys
 from autograder.worker import pages
 
 data = mmap.mmap(-1, 400 * pages.PAGE, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-data.madvise(mmap.MADV_NOHUGEPAGE)  # or the kernel may copy hundreds of pages at once
 
 def touch():
     for n in range(0, len(data), pages.PAGE):
@@ -22,14 +21,15 @@ def touch():
 written = pages.written_by(touch)
 for addresses in ([], written):
     sys.stdout.flush()
-    if os.fork() == 0:
+    child = os.fork()
+    if child == 0:
         pages.copy(addresses)
         before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
         touch()
         print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
         sys.stdout.flush()
         os._exit(0)
-    os.wait()
+    os.waitpid(child, 0)  # this one: the fork of the rehearsal may end later
 assert not any(data[:]), "the rehearsal changed the parent"
 """
 
