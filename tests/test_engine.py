@@ -11,6 +11,7 @@ import exudyn
 import numpy as np
 import pytest
 
+from mechlib.cylinder import Cylinder, Swing, newton_euler, virtual_power
 from mechlib.hacksaw import Hacksaw
 from mechlib.motion import MotorProfile
 from mechlib.sweep import consecutive
@@ -20,8 +21,9 @@ ENGINE = Path(__file__).parents[1] / "book" / "engine"
 TABLES = {
     "hacksaw": ("hacksaw.csv", "hacksaw_steps.csv"),
     "wiper": ("wiper_inverse.csv", "wiper_run_up.csv", "wiper_coasting.csv", "wiper_steps.csv"),
+    "cylinder": ("cylinder.csv", "cylinder_steps.csv"),
 }
-COLUMNS = {"hacksaw": (10, 10), "wiper": (31, 3, 3, 9)}
+COLUMNS = {"hacksaw": (10, 10), "wiper": (31, 3, 3, 9), "cylinder": (9, 9)}
 COARSER = 4  # the wiper is run again with steps so many times as long: seconds, and not a minute
 
 # Parts of a quantity's range: of the stroke for the length r1, of its own swing for an angle.
@@ -36,6 +38,9 @@ ROUND_OFF = np.repeat([1e-14, 1e-10, 1e-7], 3)
 # length or of the time of a turn moves them by up to 6e-9 with the coarser steps, and 4e-7 with those of the table.
 WIPER_ROUND_OFF = np.array([1e-7] * 4 + [1e-11, 1e-7, 1e-9, 1e-7])
 FINEST_ROUND_OFF = np.array([4e-6] * 4 + [1e-11, 1e-7, 1e-9, 1e-7])
+
+# And for those of cylinder.csv: 2e-8 of the range of Q, and more of what hardly changes: O2_x has a hundredth of it.
+CYLINDER_ROUND_OFF = np.array([1e-7, 2e-6, 1e-7, 1e-6, 1e-7, 1e-6, 1e-7, 2e-6])
 
 
 def table(folder, name):
@@ -67,9 +72,14 @@ def wiper_again(tmp_path_factory):
     return run_again(tmp_path_factory, "wiper", COARSER)
 
 
+@pytest.fixture(scope="module")
+def cylinder_again(tmp_path_factory):
+    return run_again(tmp_path_factory, "cylinder")
+
+
 @pytest.fixture(params=TABLES)
 def again(request):
-    """Of either mechanism: its name, and its script run again."""
+    """Of each mechanism: its name, and its script run again."""
     return request.param, request.getfixturevalue(f"{request.param}_again")
 
 
@@ -80,7 +90,7 @@ def script(name):
         return SimpleNamespace(**runpy.run_path(str(ENGINE / f"{name}.py")))
 
 
-# --- either mechanism
+# --- each mechanism
 
 
 def test_a_run_says_what_it_wrote_and_leaves_nothing_else(again):
@@ -111,8 +121,9 @@ def test_without_the_engine_one_sentence_says_what_to_type(name):
     [
         ("import hacksaw; hacksaw.simulate(1)", ["mechlib", "mechlib.motion", "mechlib.require"]),
         ("import wiper; wiper.by_engine((30.0, 3.83), 8)", []),
+        ("import cylinder; cylinder.simulate(1)", []),
     ],
-    ids=["hacksaw: the motion of its motor", "wiper: two numbers"],
+    ids=["hacksaw: the motion of its motor", "wiper: two numbers", "cylinder: nothing"],
 )
 def test_of_mechlib_the_engine_is_given_no_more_than_the_motor(runs, given):
     done = python(f"{runs}; print(*sorted(name for name in sys.modules if name.startswith('mechlib')))")
@@ -252,3 +263,67 @@ def test_the_wiper_run_again_gives_the_stored_tables(wiper, tmp_path_factory):
     there, *_ = run_again(tmp_path_factory, "wiper")
     off = wiper.errors(tables(there), tables(ENGINE))
     assert (np.array(list(off.values())) < FINEST_ROUND_OFF).all()
+
+
+# --- the cylinder
+
+
+@pytest.fixture(scope="module")
+def period():
+    """The forces of the engine over a period."""
+    return table(ENGINE, "cylinder.csv")
+
+
+def forces(cylinder, t):
+    """What mechlib has for them."""
+    sweep = cylinder.sweep(cylinder.length(Swing().at(t)))
+    Q, joints = newton_euler(cylinder, sweep)
+    return sweep, np.column_stack((Q, joints["O2"], joints["A"], joints["O4"], joints["P"][:, 0]))
+
+
+@pytest.fixture(scope="module")
+def expected(period):
+    return forces(Cylinder(), period[:, 0])
+
+
+def test_force_and_reactions_over_a_period_agree_within_1e_4_of_their_ranges(period, expected):
+    sweep, all_forces = expected
+    np.testing.assert_allclose(period[:, 0], np.arange(201) / 200, atol=1e-15)
+    for Q in (virtual_power(Cylinder(), sweep), all_forces[:, 0]):
+        assert errors(period[:, 1], Q, np.ptp(Q)) < 5e-6
+    assert (errors(period[:, 1:], all_forces, np.ptp(all_forces, axis=0)) < 2e-5).all()
+
+
+def test_the_engine_has_the_verified_forces_of_source_c_and_not_the_printed_ones(period):
+    """At 0, 0.01, 0.25 and 0.75 s; the source prints 43.14926, 42.284, 29.371299 and 56.648."""
+    at = period[[0, 2, 50, 150], 1]
+    np.testing.assert_allclose(at, [43.14926, 42.672362, 35.455131495, 50.845686583], atol=1e-4)
+    assert (np.abs(at - [43.14926, 42.284, 29.371299, 56.648])[1:] > 0.3).all()
+
+
+@pytest.mark.parametrize("body", range(3))
+def test_a_gram_more_on_a_body_would_be_seen(period, expected, body):
+    masses = list(Cylinder.masses)
+    masses[body] = replace(masses[body], mass=masses[body].mass + 1e-3)
+    _, other = forces(Cylinder(masses=tuple(masses)), period[:, 0])
+    assert (errors(period[:, 1:], other, np.ptp(expected[1], axis=0)) > 4e-5).any()
+
+
+def test_the_cylinder_run_again_gives_the_stored_tables(cylinder_again, period, expected):
+    span = np.ptp(expected[1], axis=0)
+    assert (errors(table(cylinder_again[0], "cylinder.csv")[:, 1:], period[:, 1:], span) < CYLINDER_ROUND_OFF).all()
+
+
+def test_all_errors_of_the_cylinder_fall_with_the_square_of_the_step(cylinder_again):
+    stored, new = (table(folder, "cylinder_steps.csv") for folder in (ENGINE, cylinder_again[0]))
+    assert (np.abs(new - stored)[:, 1:] < CYLINDER_ROUND_OFF).all()
+    for steps in (stored, new):
+        np.testing.assert_allclose(steps[:, 0], 0.005 / np.array([1, 2, 4, 8]), rtol=1e-12)
+        np.testing.assert_allclose(np.log2(steps[:-1, 1:] / steps[1:, 1:]), 2, atol=0.1)
+
+
+def test_the_limit_of_small_steps_is_mechlib_for_the_cylinder_too(period, expected):
+    """Richardson extrapolation, as for the hacksaw; what is left is round-off."""
+    engine, exact = script("cylinder"), expected[1]
+    limit = (4 * period[:, 1:] - engine.simulate(engine.STEPS // 2)) / 3
+    assert (errors(limit, exact, np.ptp(exact, axis=0)) < CYLINDER_ROUND_OFF).all()

@@ -69,13 +69,7 @@ def simulate(steps: int = STEPS) -> np.ndarray:
         (saw.point(coupler, R3), saw.point(slider, 0)),
     ):
         saw.revolute(first, second)
-    saw.system.AddObject(
-        saw.item.ObjectJointPrismatic2D(
-            markerNumbers=[saw.point(saw.ground, 0, R1Y), saw.point(slider, 0)],
-            axisMarker0=[1, 0, 0],
-            normalMarker1=[0, 1, 0],
-        )
-    )
+    saw.prismatic(saw.point(saw.ground, 0, R1Y), saw.point(slider, 0))
     saw.drive(crank, lambda t: theta2[round(t / h)])  # it is asked at the ends of steps only
     for body in (slider, coupler):
         saw.watch(body, "CoordinatesTotal", "Coordinates_t", "Coordinates_tt")

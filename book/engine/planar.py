@@ -1,4 +1,4 @@
-"""What hacksaw.py and wiper.py share: bodies in the plane as the engine Exudyn has them, and tables with all digits."""
+"""What the scripts of the engine share: bodies in the plane as Exudyn has them, and tables with all digits."""
 
 import sys
 from collections.abc import Callable
@@ -57,6 +57,19 @@ class Model:
     def revolute(self, first, second):
         """A joint between two points; its force is the one on the first."""
         return self.system.AddObject(self.item.ObjectJointRevolute2D(markerNumbers=[first, second]))
+
+    def prismatic(self, first, second):
+        """A slide along the x axis of the first point's body, with which the second's keeps its angle."""
+        return self.system.AddObject(
+            self.item.ObjectJointPrismatic2D(
+                markerNumbers=[first, second], axisMarker0=[1, 0, 0], normalMarker1=[0, 1, 0]
+            )
+        )
+
+    def weigh(self, body: Body, g: float):
+        """Give a body its weight, against the y axis."""
+        weighed = self.system.AddMarker(self.item.MarkerBodyMass(bodyNumber=body.number))
+        return self.system.AddLoad(self.item.LoadMassProportional(markerNumber=weighed, loadVector=[0, -g, 0]))
 
     def drive(self, body: Body, turned: Callable[[float], float]):
         """A motor that prescribes by how much a body is turned at a time, from where it was assembled."""

@@ -84,8 +84,7 @@ def wiper(theta1: float, friction: float, width: float) -> tuple[Model, Body, li
     bodies = []
     for (mass, inertia, centre), (x, y, angle) in zip(BARS, assembled(theta1), strict=True):
         body = model.body(x + centre * np.cos(angle), y + centre * np.sin(angle), angle, mass, inertia)
-        weighed = model.system.AddMarker(model.item.MarkerBodyMass(bodyNumber=body.number))
-        model.system.AddLoad(model.item.LoadMassProportional(markerNumber=weighed, loadVector=[0, -G, 0]))
+        model.weigh(body, G)
         bodies.append(body)
     crank, coupler, first, second, bar = range(5)
 
