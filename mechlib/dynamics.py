@@ -1,8 +1,9 @@
 """Inverse dynamics of a mechanism along a motion: the torque that drives it, and the forces in its joints."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain
 from typing import Protocol
 
 import numpy as np
@@ -10,18 +11,24 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from mechlib import require
-from mechlib.closure import compiled
+from mechlib.closure import Closure, compiled
 from mechlib.rigidbody import Joint, LinearSystem, Point, RigidBodies
 from mechlib.sweep import Mechanism, Sweep
 
 
-class Machine(Mechanism, Protocol):
-    """A mechanism with masses, and with points that have names."""
+class Linkage(Mechanism, Protocol):
+    """A mechanism whose points have names."""
 
-    rigid: RigidBodies
+    closure: Closure
     symbols: dict[str, tuple[sp.Expr, sp.Expr]]
     parameters: tuple[sp.Symbol, ...]
     constants: tuple[float, ...]
+
+
+class Machine(Linkage, Protocol):
+    """A mechanism with masses."""
+
+    rigid: RigidBodies
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,7 @@ class Reactions:
     forces: dict[str, np.ndarray]
 
 
-def trace(machine: Machine, sweep: Sweep, point: str) -> Trace:
+def trace(linkage: Linkage, sweep: Sweep, point: str) -> Trace:
     """Position, velocity and acceleration of a point by its name.
 
     Raises
@@ -64,7 +71,7 @@ def trace(machine: Machine, sweep: Sweep, point: str) -> Trace:
     KeyError
         If the mechanism has no such point.
     """
-    return _trace(machine, sweep, machine.symbols[point])
+    return _trace(linkage, sweep, linkage.symbols[point])
 
 
 def friction(velocity: ArrayLike, size: float, v0: float = 0.0) -> np.ndarray:
@@ -182,29 +189,36 @@ def residuals(machine: Machine, sweep: Sweep, reactions: Reactions, loads: Array
     return found
 
 
-def _trace(machine: Machine, sweep: Sweep, point: Point) -> Trace:
-    at = values(machine, sweep)
-    return Trace(*(function(*at)[..., 0] for function in _point(type(machine), point)))
+def _trace(linkage: Linkage, sweep: Sweep, point: Point) -> Trace:
+    at = (*_states(sweep), *linkage.constants)
+    return Trace(*(function(*at)[..., 0] for function in _point(type(linkage), point)))
 
 
 def values(machine: Machine, sweep: Sweep, loads: ArrayLike | None = None) -> tuple:
     """Numbers for `arguments`: columns over the points, and constants."""
-    motion = sweep.motion
-    states = (
-        (motion.position, *sweep.position.T),
-        (motion.velocity, *sweep.velocity.T),
-        (motion.acceleration, *sweep.acceleration.T),
-    )
-    components = at_points(machine, len(motion), loads).reshape(len(motion), -1).T
-    return (*(column for state in states for column in state), *machine.constants, *components)
+    components = at_points(machine, len(sweep.motion), loads).reshape(len(sweep.motion), -1).T
+    return (*_states(sweep), *machine.constants, *components)
 
 
 def arguments(machine: type[Machine]) -> tuple[sp.Symbol, ...]:
     """What the equations of a mechanism depend on: coordinates and rates, parameters, and components of the loads."""
-    closure = machine.rigid.closure
-    coordinates = zip(closure.input, *closure.unknowns, strict=True)
     loads = (component for load in machine.rigid.loads for component in load.force)
-    return (*(symbol for order in coordinates for symbol in order), *machine.parameters, *loads)
+    return (*_coordinates(machine.closure), *machine.parameters, *loads)
+
+
+def _coordinates(closure: Closure) -> Iterator[sp.Symbol]:
+    return chain.from_iterable(zip(closure.input, *closure.unknowns, strict=True))
+
+
+def _states(sweep: Sweep) -> Iterator[np.ndarray]:
+    """Columns over the points, for `_coordinates`."""
+    motion = sweep.motion
+    for of_input, of_unknowns in (
+        (motion.position, sweep.position),
+        (motion.velocity, sweep.velocity),
+        (motion.acceleration, sweep.acceleration),
+    ):
+        yield from (of_input, *of_unknowns.T)
 
 
 def at_points(machine: Machine, points: int, loads: ArrayLike | None) -> np.ndarray:
@@ -219,10 +233,12 @@ def at_points(machine: Machine, points: int, loads: ArrayLike | None) -> np.ndar
 
 
 @cache
-def _point(machine: type[Machine], point: Point) -> tuple[Callable[..., np.ndarray], ...]:
-    rigid = machine.rigid
-    of_time = (sp.Matrix(point), rigid.velocity(point), rigid.acceleration(point))
-    return tuple(compiled(arguments(machine), expressions) for expressions in of_time)
+def _point(linkage: type[Linkage], point: Point) -> tuple[Callable[..., np.ndarray], ...]:
+    closure, position = linkage.closure, sp.Matrix(point)
+    velocity = closure.time_derivative(position)
+    of_time = position, velocity, closure.time_derivative(velocity)
+    symbols = (*_coordinates(closure), *linkage.parameters)
+    return tuple(compiled(symbols, expressions) for expressions in of_time)
 
 
 @cache

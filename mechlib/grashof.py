@@ -4,10 +4,10 @@ from typing import Literal
 
 from mechlib import require
 
-FourBar = Literal["crank-rocker", "rocker-crank", "double-crank", "double-rocker", "triple-rocker", "change-point"]
+GrashofClass = Literal["crank-rocker", "rocker-crank", "double-crank", "double-rocker", "triple-rocker", "change-point"]
 
 
-def grashof(ground: float, driver: float, coupler: float, follower: float) -> FourBar:
+def grashof(ground: float, driver: float, coupler: float, follower: float) -> GrashofClass:
     """The class of a four-bar linkage.
 
     A bar turns all the way round if the shortest and the longest together are shorter than the other two. Which bar
@@ -48,7 +48,7 @@ def grashof(ground: float, driver: float, coupler: float, follower: float) -> Fo
         return "change-point"
     if excess > 0:
         return "triple-rocker"
-    turning: dict[str, FourBar] = {
+    turning: dict[str, GrashofClass] = {
         "driver": "crank-rocker",
         "follower": "rocker-crank",
         "ground": "double-crank",

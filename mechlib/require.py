@@ -13,11 +13,7 @@ def finite(name: str, values: ArrayLike) -> np.ndarray:
         If one of them is infinite or not a number; the sentence says which.
     """
     array = np.asarray(values, dtype=float)
-    bad = ~np.isfinite(array)
-    if bad.any():
-        where = tuple(int(i) for i in np.argwhere(bad)[0])
-        place = f" at index {', '.join(map(str, where))}" if where else ""
-        raise ValueError(f"{name} must be finite, got {array[where]}{place}")
+    _all(np.isfinite(array), f"{name} must be finite", array)
     return array
 
 
@@ -34,6 +30,19 @@ def positive(**quantities: float) -> None:
             raise ValueError(f"{name} must be a positive number, got {value}")
 
 
+def all_positive(**quantities: ArrayLike) -> None:
+    """Nothing, if every quantity is a positive, finite number or an array of such.
+
+    Raises
+    ------
+    ValueError
+        If one of them is not; the sentence has its name, the value, and where it stands.
+    """
+    for name, values in quantities.items():
+        array = np.asarray(values, dtype=float)
+        _all((array > 0) & (array < np.inf), f"{name} must be a positive number", array)
+
+
 def one_of(name: str, value: str, known: tuple[str, ...]) -> None:
     """Nothing, if the value is one of those known.
 
@@ -44,3 +53,10 @@ def one_of(name: str, value: str, known: tuple[str, ...]) -> None:
     """
     if value not in known:
         raise ValueError(f"{name} must be {' or '.join(map(repr, known))}, got {value!r}")
+
+
+def _all(good: np.ndarray, claim: str, array: np.ndarray) -> None:
+    if not good.all():
+        where = tuple(int(i) for i in np.argwhere(~good)[0])
+        place = f" at index {', '.join(map(str, where))}" if where else ""
+        raise ValueError(f"{claim}, got {array[where]}{place}")

@@ -16,7 +16,7 @@ from sympy import cos, sin
 
 from mechlib import require
 from mechlib.closure import Closure, Coordinate, Loop, OpenLoopError
-from mechlib.grashof import FourBar, grashof
+from mechlib.grashof import GrashofClass, grashof
 from mechlib.rigidbody import GROUND, Body, Joint, Load, MassProperties, RigidBodies
 
 Branch = Literal["open", "crossed"]
@@ -97,15 +97,15 @@ class Wiper:
 
     Attributes
     ----------
-    r0 : float
-        Ground O-C, m.
-    r1, r2, r3 : float
+    r0 : float or ndarray
+        Ground O-C, m. Arrays are many wipers at once: they must broadcast with the angles that a method is given.
+    r1, r2, r3 : float or ndarray
         Crank O-A, coupler A-B, and C-B on the first blade, m.
-    r4 : float
+    r4 : float or ndarray
         C-D and F-E, m.
-    r5 : float
+    r5 : float or ndarray
         Bar D-E, which is C-F, m.
-    r6 : float
+    r6 : float or ndarray
         C-G and F-H, from the joints to the ends of the blades, m.
     masses : tuple of 5 MassProperties
         Of the crank, the coupler, the first blade, the second blade and the bar.
@@ -140,7 +140,8 @@ class Wiper:
     parameters: ClassVar[tuple[sp.Symbol, ...]] = (*_lengths, *_centres, *_masses, *_inertias, RigidBodies.gravity)
 
     def __post_init__(self):
-        require.positive(**{f"r{k}": getattr(self, f"r{k}") for k in range(7)}, g=self.g)
+        require.all_positive(**{f"r{k}": getattr(self, f"r{k}") for k in range(7)})
+        require.positive(g=self.g)
         if len(self.masses) != len(BODIES):
             raise ValueError(f"masses must be {len(BODIES)}, of {', '.join(BODIES)}; got {len(self.masses)}")
 
@@ -157,7 +158,7 @@ class Wiper:
         return self.closure.loop(self.r0, self.r1, self.r2, self.r3)
 
     @property
-    def grashof(self) -> FourBar:
+    def grashof(self) -> GrashofClass:
         """The class of the linkage that the crank drives."""
         return grashof(self.r0, self.r1, self.r2, self.r3)
 
@@ -190,8 +191,8 @@ class Wiper:
         """
         theta1 = require.finite("theta1", theta1)
         require.one_of("branch", branch, ("open", "crossed"))
-        if (self.gap(theta1) > 0).any():
-            raise OpenLoopError("theta_1", theta1, self.gap(theta1))
+        if ((gap := self.gap(theta1)) > 0).any():
+            raise OpenLoopError("theta_1", np.broadcast_to(theta1, gap.shape), gap)
         x, y = self.r0 - self.r1 * np.cos(theta1), -self.r1 * np.sin(theta1)  # from A to C
         distance = np.hypot(x, y)
         at_c = np.arccos((distance**2 + self.r3**2 - self.r2**2) / (2 * distance * self.r3))
