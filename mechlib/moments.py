@@ -1,0 +1,130 @@
+"""Mean, deviation and higher moments of many throws, gathered piece by piece, and how sure they are.
+
+A piece is centred on its own mean, so that nothing cancels. Pieces are merged by moving their moments to the common
+mean, as Steiner moves a moment of inertia.
+
+References
+----------
+T. F. Chan, G. H. Golub, R. J. LeVeque, Updating formulae and a pairwise algorithm for computing sample variances, 1979.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtri, stdtrit
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Of throws of any shape of results (...).
+
+    Attributes
+    ----------
+    throws : int
+        How many are counted.
+    mean : ndarray, shape (...)
+    second, third, fourth : ndarray, shape (...)
+        Sums of the powers of the distances from the mean.
+    """
+
+    throws: int
+    mean: np.ndarray
+    second: np.ndarray
+    third: np.ndarray
+    fourth: np.ndarray
+
+    @classmethod
+    def of(cls, results: np.ndarray) -> "Moments":
+        """Of at least one throw; shape (throws, ...)."""
+        results = np.ascontiguousarray(np.moveaxis(results, 0, -1))  # to add up neighbours is six times as fast
+        mean = results.mean(axis=-1)
+        off = results - mean[..., None]
+        square = off * off
+        # einsum, since a product of matrices may be added up in another order by other processes
+        third, fourth = (np.einsum("...n,...n->...", square, other) for other in (off, square))
+        return cls(results.shape[-1], mean, square.sum(axis=-1), third, fourth)
+
+    @classmethod
+    def merged(cls, pieces: "Sequence[Moments]") -> "Moments":
+        """Of the throws of all pieces, at least one."""
+        first = pieces[0]
+        means, seconds, thirds, fourths = (
+            np.array([getattr(piece, name) for piece in pieces]) for name in ("mean", "second", "third", "fourth")
+        )
+        n = np.array([piece.throws for piece in pieces]).reshape(-1, *[1] * first.mean.ndim)
+        mean = first.mean + (n * (means - first.mean)).sum(axis=0) / n.sum()
+        d = means - mean
+        return cls(
+            int(n.sum()),
+            mean,
+            (seconds + n * d**2).sum(axis=0),
+            (thirds + 3 * d * seconds + n * d**3).sum(axis=0),
+            (fourths + 4 * d * thirds + 6 * d**2 * seconds + n * d**4).sum(axis=0),
+        )
+
+    @property
+    def deviation(self) -> np.ndarray:
+        """Of a throw: the root of the sum of squares over the number of throws less one; not a number for one throw."""
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(np.divide(self.second, self.throws - 1))
+
+    @property
+    def standard_error(self) -> np.ndarray:
+        """Of the mean: what is left of the deviation in a mean of so many throws."""
+        return self.deviation / np.sqrt(self.throws)
+
+    @property
+    def skewness(self) -> np.ndarray:
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(self.throws) * self.third / self.second**1.5
+
+    @property
+    def kurtosis(self) -> np.ndarray:
+        """3 for a normal law, 9/5 for a uniform one."""
+        with np.errstate(invalid="ignore"):
+            return self.throws * self.fourth / self.second**2
+
+    def mean_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Where the true mean lies, by the law of Student.
+
+        For any law of the results, if the throws are many: with those here, from a hundred on.
+
+        Parameters
+        ----------
+        level : float
+            How often it does.
+
+        Returns
+        -------
+        low, high : ndarray, shape (...)
+
+        Raises
+        ------
+        ValueError
+            If the level is not between 0 and 1, or there are fewer than two throws.
+        """
+        half = stdtrit(self.throws - 1, self._upper(level)) * self.standard_error
+        return self.mean - half, self.mean + half
+
+    def deviation_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Where the true deviation lies; as `mean_interval`.
+
+        The usual interval by chi squared holds for normal results only, however many the throws are: results that lie
+        closer together in the tails, as sums of uniform ones do, have a surer deviation. This one asks their kurtosis.
+
+        References
+        ----------
+        D. G. Bonett, Approximate confidence interval for standard deviation of nonnormal distributions, 2006.
+        """
+        z, n = ndtri(self._upper(level)), self.throws
+        error = np.sqrt((self.kurtosis - (n - 3) / n) / (n - 1))  # of the logarithm of the variance
+        variance = self.deviation**2 * (n / (n - z))
+        return tuple(np.sqrt(variance * np.exp(sign * z * error)) for sign in (-1, 1))
+
+    def _upper(self, level: float) -> float:
+        if not 0 < level < 1:
+            raise ValueError(f"level must be between 0 and 1, got {level}")
+        if self.throws < 2:
+            raise ValueError(f"an interval needs at least 2 throws, got {self.throws}")
+        return (1 + level) / 2
