@@ -302,7 +302,8 @@ class Loop:
         """What solves J x + known = 0 at these points."""
         rows = np.moveaxis(self.jacobian(q, u), (-2, -1), (0, 1))
         determinant, adjugate = cramer.adjugate(rows)
-        bound = np.sqrt((rows**2).sum(axis=1)).prod(axis=0)  # Hadamard: no determinant is larger
+        # Hadamard: no determinant is larger. By columns, of one unit each: in a flat position a whole row may vanish
+        bound = np.sqrt((rows**2).sum(axis=0)).prod(axis=0)
         singular = np.abs(determinant) <= len(rows) * np.finfo(float).eps * bound
         if singular.any():
             point = int(np.flatnonzero(singular)[0])

@@ -85,13 +85,10 @@ class Quantities:
         Raises
         ------
         ZeroDivisionError
-            In a singular position, where the unknowns cannot follow.
+            In a singular position, where the unknowns can follow neither the parameters nor the input; says where.
         """
-        with np.errstate(divide="ignore", invalid="ignore"):
-            found = self._gradient(u, *np.moveaxis(np.asarray(q), -1, 0), *linkage.constants)
-        if not np.isfinite(found).all():
-            raise ZeroDivisionError("singular position: the unknowns cannot follow a change of the parameters")
-        return found
+        linkage.loop.velocity(q, u, 1.0)
+        return self._gradient(u, *np.moveaxis(np.asarray(q), -1, 0), *linkage.constants)
 
     @cached_property
     def _value(self):

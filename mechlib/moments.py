@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtri, stdtrit
+from scipy.special import stdtrit
 
 
 @dataclass(frozen=True)
@@ -110,21 +110,24 @@ class Moments:
     def deviation_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
         """Where the true deviation lies; as `mean_interval`.
 
-        The usual interval by chi squared holds for normal results only, however many the throws are: results that lie
-        closer together in the tails, as sums of uniform ones do, have a surer deviation. This one asks their kurtosis.
+        The usual interval by chi squared holds for normal results only, however many the throws are: the deviation of
+        results that are rarely far out, as sums of uniform ones, is surer. This one asks the kurtosis. It needs many
+        throws where the tails are long: of a hundred exponential ones it misses the truth twice as often as it says.
 
         References
         ----------
-        D. G. Bonett, Approximate confidence interval for standard deviation of nonnormal distributions, 2006.
+        H. Cramér, Mathematical Methods of Statistics, 1946, section 27.4: the variance of a variance.
         """
-        z, n = ndtri(self._upper(level)), self.throws
-        error = np.sqrt((self.kurtosis - (n - 3) / n) / (n - 1))  # of the logarithm of the variance
-        variance = self.deviation**2 * (n / (n - z))
-        return tuple(np.sqrt(variance * np.exp(sign * z * error)) for sign in (-1, 1))
+        n, g = self.throws, self.kurtosis - 3
+        upper = self._upper(level, fewest=4)
+        excess = (n - 1) / ((n - 2) * (n - 3)) * ((n + 1) * g + 6)  # without bias, if the results are normal
+        error = np.sqrt(np.maximum(excess / n + 2 / (n - 1), 0)) / 2  # of the logarithm of the deviation
+        factor = np.exp(stdtrit(n - 1, upper) * error)
+        return self.deviation / factor, self.deviation * factor
 
-    def _upper(self, level: float) -> float:
+    def _upper(self, level: float, fewest: int = 2) -> float:
         if not 0 < level < 1:
             raise ValueError(f"level must be between 0 and 1, got {level}")
-        if self.throws < 2:
-            raise ValueError(f"an interval needs at least 2 throws, got {self.throws}")
+        if self.throws < fewest:
+            raise ValueError(f"an interval needs at least {fewest} throws, got {self.throws}")
         return (1 + level) / 2

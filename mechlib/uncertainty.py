@@ -17,6 +17,7 @@ import numpy as np
 from scipy.special import stdtrit
 from scipy.stats import qmc
 
+from mechlib import require
 from mechlib.laws import Independent, JointLaw
 from mechlib.moments import Moments
 from mechlib.sweep import OpenPoints
@@ -141,7 +142,8 @@ def monte_carlo(
     Raises
     ------
     ValueError
-        If the number of throws or the block is not positive, or the result has no axis of throws.
+        If the number of throws or the block is not positive, an option has another name, or the result has no axis of
+        throws.
     OpenThrowsError
         If throws have no result; also if none has one.
 
@@ -152,6 +154,7 @@ def monte_carlo(
     for name, number in {"throws": throws, "block": block}.items():
         if number < 1 or number != int(number):
             raise ValueError(f"{name} must be a positive whole number, got {number}")
+    require.one_of("open_throws", open_throws, ("refuse", "leave out"))
     size = block * TASK
     tasks = ((start, min(start + size, throws)) for start in range(0, throws, size))
     thrown = _merged(partial(_blocks, result, law, seed, block), tasks, executor)

@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 
 from mechlib.closure import Closure, Coordinate, OpenLoopError
+from mechlib.fourbar import FourBar
 from mechlib.hacksaw import Hacksaw
 
 
@@ -108,3 +109,10 @@ def test_an_open_loop_says_at_which_input_and_by_how_much():
     assert str(error) == "the loop cannot close at theta_2 = 1: 0.002 m are missing (and at 1 other point)"
     assert error.points.tolist() == [1, 2]
     assert error.gaps.tolist() == [0.002, 0.001]
+
+
+@pytest.mark.parametrize("branch", ["open", "crossed"])
+def test_in_a_flat_position_no_velocity_is_given_though_rounding_leaves_the_jacobian_just_regular(branch):
+    for linkage in (FourBar(1.0, 0.5, 0.25, 0.25), FourBar(1.0, 0.3, 1.0, 0.3)):  # stretched; a change point
+        with pytest.raises(ZeroDivisionError, match="no velocity is determined"):
+            linkage.loop.velocity(linkage.position(0.0, branch), 0.0, 1.0)
