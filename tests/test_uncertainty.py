@@ -211,6 +211,19 @@ def test_intervals_of_95_percent_hold_the_truth_in_95_percent_of_10_000_repetiti
     assert (np.abs(covered / 10_000 - 0.95) <= 0.01).all(), covered
 
 
+def test_intervals_hold_the_coupler_point_of_source_d_in_95_percent_of_10_000_repetitions_of_its_100_throws():
+    repetitions, truth = 10_000, quasi_monte_carlo(POINT, LAW, 1 << 14, sets=4)
+    covered = np.zeros((2, len(THETA2), 2))
+    for start in range(0, 100 * repetitions, 50_000):
+        results = POINT(throw(LAW, start, start + 50_000, seed=12))
+        moments = Moments.of(results.reshape(-1, 100, len(THETA2), 2).swapaxes(0, 1))
+        for k, (true, (low, high)) in enumerate(
+            ((truth.mean, moments.mean_interval()), (truth.deviation, moments.deviation_interval()))
+        ):
+            covered[k] += ((low <= true) & (true <= high)).sum(axis=0)
+    assert (np.abs(covered / repetitions - 0.95) <= 0.01).all(), covered
+
+
 def test_the_usual_interval_by_chi_squared_does_not_hold_for_uniform_results():
     moments = Moments.of(np.random.default_rng(1).random((100, 10_000)))
     low, high = (np.sqrt(99 * moments.deviation**2 / scipy.stats.chi2(99).ppf(p)) for p in (0.975, 0.025))
