@@ -52,8 +52,10 @@ test: environment system
 	$(call step,style,$(BIN)/ruff check)
 	$(call step,layout,$(BIN)/ruff format --check)
 	$(call step,exercises up to date,$(BIN)/autograder release --check)
-	$(call step,book,$(BIN)/jupyter-book build book -W -n --keep-going)
-	$(call step,notebooks,$(BIN)/pytest --nbval-lax -n auto --dist loadfile solutions exercises)
+	@# the book is built on one core, and the notebooks run on the others
+	$(call step,book and notebooks,{ $(BIN)/jupyter-book build book -W -n --keep-going & book=$$!; \
+	    $(BIN)/pytest --nbval-lax -n auto --dist loadfile solutions exercises; notebooks=$$?; \
+	    wait $$book && [ $$notebooks = 0 ]; })
 	$(call step,pytest,$(BIN)/pytest -n auto --dist worksteal)
 
 proofs: environment system
