@@ -245,7 +245,8 @@ class Cylinder:
         if (self.gap(s) > 0).any():
             raise OpenLoopError("s", s, self.gap(s), f"the triangle closes {_span(self.reach)}")
         short, long = self.reach
-        # the half angle, since near a flat triangle an inverse cosine keeps half of the digits only
+        # the half angle, and the other angle from it: near a flat triangle an inverse cosine keeps half of the digits
+        # only, of two of them each its own half, so that they leave the loop open; and it may get more than one
         phi = 2 * np.arctan2(np.sqrt((s - short) * (s + short)), np.sqrt((long - s) * (long + s)))
         psi = np.arctan2(self.b * np.sin(phi), self.d - self.b * np.cos(phi))
         beta, side = np.arctan2(self.o4, self.o2), 1 if branch == "right" else -1

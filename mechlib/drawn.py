@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mechlib.cylinder import Cylinder
 from mechlib.dynamics import trace
 from mechlib.moving import Arrows, Moving, Quantity
 from mechlib.sweep import Sweep
@@ -50,6 +51,48 @@ def wiper(
         "alt": (
             "A crank turns about O. Through the coupler from A to B it swings the first blade, from C over B and D to "
             "G, to and fro over a windscreen. The bar from D to E takes the second blade along, from F over E to H."
+        ),
+    }
+    return Moving(**usual | more)
+
+
+def cylinder(
+    machine: Cylinder, sweep: Sweep, values: Sequence[Quantity] = (), arrows: Sequence[Arrows] = (), **more
+) -> Moving:
+    """The hydraulic cylinder and the rocker that it swings, with the paths of A and of the rocker's centre of mass.
+
+    Parameters
+    ----------
+    machine : Cylinder
+    sweep : Sweep
+        Its motion, as `Cylinder.sweep` gives it: a frame for each point.
+    values : sequence of Quantity
+        Shown beside the picture, below the stroke.
+    arrows : sequence of Arrows
+        To be shown on demand, at the joints O2, P, A, O4, G4.
+    **more
+        Passed on to `Moving`, and before what is said here.
+
+    Returns
+    -------
+    Moving
+    """
+    paths = {name: trace(machine, sweep, name).position for name in ("O2", "P", "A", "O4", "G4")}
+    fixed = {name: paths[name][0] for name in ("O2", "O4")}
+    line = sweep.position[:, :1]
+    mouth = fixed["O2"] + machine.ls * np.concatenate((np.cos(line), np.sin(line)), axis=1)
+    usual = {
+        "joints": paths | fixed | {"_mouth": mouth},
+        "bodies": {"barrel": ("O2", "_mouth"), "rod": ("P", "A"), "rocker": ("O4", "A", "G4")},
+        "ground": ("O2", "O4"),
+        "barrels": ("barrel",),
+        "traces": ("A", "G4"),
+        "input": Quantity("a", sweep.motion.position - machine.l, "m", 3),
+        "values": values,
+        "arrows": arrows,
+        "alt": (
+            "The barrel of a hydraulic cylinder turns about O2. The rod slides out of it, from the piston P to A, and "
+            "swings the rocker about O4. The rocker goes on beyond A, to its centre of mass G4."
         ),
     }
     return Moving(**usual | more)

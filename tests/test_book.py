@@ -18,6 +18,7 @@ import yaml
 
 from autograder.checks import EXERCISES
 from autograder.report import section_address
+from mechlib.cylinder import Cylinder
 from mechlib.hacksaw import Hacksaw
 from mechlib.wiper import Wiper
 
@@ -158,13 +159,25 @@ def wiper_joints():
     return {name: np.stack((z.real, z.imag), axis=-1) for name, z in places}
 
 
+def cylinder_joints():
+    """By complex numbers: A where two circles meet, to the right of the line from O2 to O4, at strokes 5 mm apart."""
+    cylinder, a = Cylinder(), np.linspace(0.405, 0.795, 79)
+    O2, s, b = cylinder.o2 - 1j * cylinder.o4 + 0 * a, a + cylinder.l, cylinder.b
+    line = -O2 / np.abs(O2) * np.exp(-1j * np.arccos((np.abs(O2) ** 2 + s**2 - b**2) / (2 * np.abs(O2) * s)))
+    A = O2 + s * line
+    places = {"A": A, "P": O2 + a * line, "G4": 0.6 * A / np.abs(A), "O2": O2, "O4": 0 * A}
+    return {name: np.stack((z.real, z.imag), axis=-1) for name, z in places.items()}
+
+
 @pytest.mark.parametrize(
     ("page", "place", "joints"),
     [
         ("index", 0, hacksaw_joints),
         ("index", 1, wiper_joints),
+        ("index", 2, cylinder_joints),
         ("hacksaw-closure", 0, hacksaw_joints),
         ("wiper-kinematics", 0, wiper_joints),
+        ("cylinder-kinematics", 0, cylinder_joints),
     ],
 )
 def test_a_draggable_figure_lives_in_the_built_page_and_shows_the_mechanism(html, opened, page, place, joints):
@@ -175,9 +188,10 @@ def test_a_draggable_figure_lives_in_the_built_page_and_shows_the_mechanism(html
     assert re.match(r"Fig. [\d.]+ ", caption)
     expected = joints()
     drawn = {name: np.array([frame[name] for frame in seen]) for name in expected}
-    unit = np.linalg.norm(drawn["A"] - drawn["O"], axis=1).mean() / np.linalg.norm(expected["A"][0])  # pixels a metre
+    (origin,) = (drawn[name] for name, place in expected.items() if not np.any(place))
+    unit = np.linalg.norm(drawn["A"] - origin, axis=1).mean() / np.linalg.norm(expected["A"][0])  # pixels a metre
     for name, place in expected.items():
-        np.testing.assert_allclose(drawn[name] - drawn["O"], place * (unit, -unit), atol=0.5)  # half a pixel
+        np.testing.assert_allclose(drawn[name] - origin, place * (unit, -unit), atol=0.5)  # half a pixel
 
 
 class Links(HTMLParser):
