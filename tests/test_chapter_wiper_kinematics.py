@@ -1,43 +1,20 @@
 """Claims of the chapter on the wiper's kinematics: what its cells compute, against complex numbers and triangles."""
 
 import re
-from pathlib import Path
 
-import IPython.display
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from executed import BOOK, executed, rows
 
-TEXT = (Path(__file__).parents[1] / "book" / "wiper-kinematics.md").read_text("utf-8")
+TEXT = (BOOK / "wiper-kinematics.md").read_text("utf-8")
 R0, R1, R2, R3, R4, R5, R6 = 0.245, 0.105, 0.220, 0.150, 0.300, 0.300, 0.645  # m, source B
 OMEGA = 35 * 2 * np.pi / 60
 DEGREE = np.deg2rad(1)
 
 
-def cells():
-    for cell in re.findall(r"```\{code-cell\} ipython3\n(.*?)```", TEXT, re.DOTALL):
-        code = re.sub(r"\A(---\n.*?\n---\n|:tags:.*\n)", "", cell, flags=re.DOTALL if cell.startswith("---") else 0)
-        if "import glue" not in code:
-            yield re.sub(r"^%.*$", "", code, flags=re.MULTILINE)
-
-
 @pytest.fixture(scope="module")
 def chapter():
-    """What the cells define, and under "tables" what they print as tables."""
-    names: dict = {"tables": []}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(IPython.display, "Markdown", names["tables"].append)
-        patch.setattr(plt, "show", lambda: plt.close("all"))
-        patch.setattr("builtins.print", lambda *_: None)
-        for cell in cells():
-            exec(cell, names)
-    return names
-
-
-def rows(chapter, first):
-    """The cells of the table whose first title is this."""
-    (table,) = (t for t in chapter["tables"] if t.startswith(f"| {first} |"))
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
+    return executed("wiper-kinematics")
 
 
 def assembled(crank, r0=R0, r1=R1, r2=R2, r3=R3, side=1):
