@@ -137,6 +137,11 @@ def panels(x: ArrayLike, curves: Mapping[str, ArrayLike], xlabel: str, colors: S
     return fig
 
 
+def bound(size: float) -> str:
+    """A power of ten that is not reached: of a round-off, which another computer would change."""
+    return f"< 1e{int(np.floor(np.log10(size))) + 1}"
+
+
 def verdict(printed: str, computed: float) -> str:
     """Whether a number agrees with a printed one: rounded to as many decimals, it has the same digits.
 

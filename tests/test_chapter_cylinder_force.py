@@ -1,12 +1,10 @@
 """Claims of the chapter on the force of the cylinder: what its cells compute, against the formulas by hand."""
 
 import re
-from pathlib import Path
 
-import IPython.display
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from executed import BOOK, executed, rows
 from test_errata_cylinder import (
     G2,
     G3,
@@ -32,35 +30,14 @@ from test_errata_cylinder import (
     unbalanced,
 )
 
-TEXT = (Path(__file__).parents[1] / "book" / "cylinder-force.md").read_text("utf-8")
+TEXT = (BOOK / "cylinder-force.md").read_text("utf-8")
 AS_PRINTED = {"projected": True, "simple_angle": True}
 SCALE = 60.0  # N, a little above every force
 
 
-def cells():
-    for cell in re.findall(r"```\{code-cell\} ipython3\n(.*?)```", TEXT, re.DOTALL):
-        code = re.sub(r"\A(---\n.*?\n---\n|:tags:.*\n)", "", cell, flags=re.DOTALL if cell.startswith("---") else 0)
-        if "import glue" not in code and "autograder" not in code:
-            yield re.sub(r"^%.*$", "", code, flags=re.MULTILINE)
-
-
 @pytest.fixture(scope="module")
 def chapter():
-    """What the cells define, and under "tables" and "said" what they show and print."""
-    names, tables, said = {}, [], []
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(IPython.display, "Markdown", tables.append)
-        patch.setattr(plt, "show", lambda: plt.close("all"))
-        patch.setattr("builtins.print", lambda *words: said.append(" ".join(map(str, words))))
-        for cell in cells():
-            exec(cell, names)
-    return names | {"tables": tables, "said": said}
-
-
-def rows(chapter, first):
-    """The cells of the table whose first title is this."""
-    (table,) = (t for t in chapter["tables"] if t.startswith(f"| {first} |"))
-    return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in table.splitlines()[2:]]
+    return executed("cylinder-force")
 
 
 def shown(number):
