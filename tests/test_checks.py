@@ -26,6 +26,7 @@ POINTS = {  # as the course says
     "08_wiper_kinematics": [2, 3, 3, 3],
     "09_wiper_inverse_dynamics": [2, 2, 4, 3, 1, 1, 1],
     "10_wiper_direct_dynamics": [4, 3, 2, 2],
+    "11_cylinder": [2, 3, 3, 3, 2],
 }
 
 

@@ -11,6 +11,7 @@ from autograder.checks import (
     e08_wiper_kinematics,
     e09_wiper_inverse_dynamics,
     e10_wiper_direct_dynamics,
+    e11_cylinder,
 )
 from autograder.spec import Exercise, Task
 
@@ -25,6 +26,7 @@ _MODULES = (
     e08_wiper_kinematics,
     e09_wiper_inverse_dynamics,
     e10_wiper_direct_dynamics,
+    e11_cylinder,
 )
 EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}
 
