@@ -1314,7 +1314,7 @@ Named = tuple[str, str] | None
 def left_over(t, stroke, kinetic, potential, terms) -> np.ndarray:
     """By how much each term of each body does not fit the energies, in parts of its largest value; shape (3, 3)."""
     _, v, acc = stroke
-    rate, falling = (np.gradient(energy, t, axis=1, edge_order=2) for energy in (kinetic, potential))
+    rate, falling = (np.gradient(energy, t, axis=1) for energy in (kinetic, potential))
     # of T = M v^2 / 2: nothing is divided by a velocity that passes zero
     fits = np.array([2 * rate * v - 2 * kinetic * acc, rate * v - 2 * kinetic * acc, falling * v])
     works = terms * v**2
