@@ -93,6 +93,46 @@ TOGETHER = {  # two mistakes that are a third
         "The work has the wrong sign",
         "The work of the loads has the wrong sign",
     ): "The work of the torque has the wrong sign",
+    (
+        "The angles of the triangle at O2 and O4 are exchanged",
+        "The cosines have the wrong sign",
+    ): "theta4 comes first",
+    (
+        "The Coriolis term is missing, or 1/s is differentiated with the wrong sign",
+        "The centripetal terms have the wrong sign",
+    ): "The change of D has the wrong sign",
+    (
+        "The Coriolis acceleration is missing",
+        "The centripetal accelerations are missing",
+    ): "The Coriolis acceleration is half of what it should be",
+    (
+        "The angles of the triangle at O2 and O4 are exchanged",
+        "theta4 comes first",
+    ): "The cosines have the wrong sign",
+    (
+        "The cosines have the wrong sign",
+        "theta4 comes first",
+    ): "The angles of the triangle at O2 and O4 are exchanged",
+    (
+        "The Coriolis term is half of what it should be, or the change of s is forgotten",
+        "Both centripetal terms are missing",
+    ): "D is taken for constant in h",
+    (
+        "The Coriolis term is half of what it should be, or the change of s is forgotten",
+        "The centripetal term of the cylinder is missing",
+    ): "D changes with theta4 alone",
+    (
+        "The Coriolis acceleration is missing",
+        "The sliding is missing from the velocity of the rod",
+    ): "The rod does not slide: its centre of mass only turns about O2",
+    (
+        "The Coriolis acceleration is half of what it should be",
+        "The centripetal accelerations point outwards",
+    ): "The centripetal accelerations are missing",
+    (
+        "The Coriolis acceleration has the wrong sign",
+        "The centripetal accelerations point outwards",
+    ): "The Coriolis acceleration is missing",
 }
 WRITTEN = pytest.mark.parametrize("name", STUDENTS)
 DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark.proof)])

@@ -93,6 +93,13 @@ MISTAKES = {
         ("GRAVITY * height @ mass", "GRAVITY * height[:, :4] @ mass[:4]"),
         ("np.tanh(speed / v0)", "np.minimum(speed / v0, 1)"),
     ),
+    "11_cylinder": (
+        ("np.pi - beta - at_o2, at_o4 - beta", "np.pi - beta + at_o2, -at_o4 - beta"),
+        ("k2, k4 = cos / (s * sin), 1 / (b * sin)", "k2, k4 = cos * sin / s, sin / b"),
+        ("2 * omega2 * v) * across2", "omega2 * v) * across2"),
+        ("slope * v**2 / 2, G * lifted", "0 * v, G * lifted"),
+        ("if off[term, body] > 0.1 else None", "if off[term, body] > 1e-9 else None"),
+    ),
 }
 
 

@@ -13,6 +13,7 @@ from examination import (
     students_08,
     students_09,
     students_10,
+    students_11,
 )
 from examination.student import Student
 
@@ -256,4 +257,5 @@ STUDENTS = {
     **students_08.STUDENTS,
     **students_09.STUDENTS,
     **students_10.STUDENTS,
+    **students_11.STUDENTS,
 }

@@ -115,6 +115,11 @@ PARTS: dict[str, Callable[..., int]] = {
     "driven_motion": lambda acceleration, torque, start, t, lengths: len(t),  # instants
     "energy_drift": lambda t, *rest: len(t),  # instants
     "smooth_friction": lambda velocity, size, v0: velocity.size,  # components
+    "cylinder_angles": lambda a, lengths: len(a),  # strokes
+    "cylinder_ratios": lambda a, angles, lengths: len(a),  # strokes
+    "virtual_power": lambda stroke, *rest: stroke.shape[1],  # points
+    "lagrange_terms": lambda stroke, *rest: stroke.shape[1],  # points
+    "wrong_term": lambda t, *rest: len(t),  # points
 }
 
 
