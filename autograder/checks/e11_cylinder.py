@@ -1357,7 +1357,7 @@ class Watched:
     at: Swung
 
     @classmethod
-    def drawn(cls, rng: np.random.Generator) -> "Watched":
+    def drawn(cls, rng: np.random.Generator, heavy: float) -> "Watched":
         w, period = Swung.drawn(rng, INSTANTS), rng.uniform(0.8, 1.5)
         t = period * np.arange(INSTANTS) / INSTANTS
         o2, o4, b, l = w.lengths
@@ -1368,7 +1368,7 @@ class Watched:
         derivatives = (swing * np.sin(phases), swing * rates * np.cos(phases), -swing * rates**2 * np.sin(phases))
         stroke = np.array([each.sum(axis=0) for each in derivatives])
         stroke[0] += (low + high) / 2
-        return cls(t, replace(w, stroke=stroke))
+        return cls(t, Swung(w.lengths, w.bodies * [1, heavy], stroke))
 
     def parts(self, slip: Lagrange = LAGRANGE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return slip.of_bodies(*self.at.args)
@@ -1402,9 +1402,12 @@ def as_in_the_source(w: Watched, rng: np.random.Generator) -> np.ndarray:
 
 def planted_cases(rng: np.random.Generator) -> list[Case]:
     def case(term: int = 0, body: int = 0, wrong: Callable | None = None) -> Case:
-        """With differences that are good enough, and with a mistake that is clearly one, at any instant as well."""
+        """With differences that are good enough, and a mistake that is clearly one, also where it is not weighted by v.
+
+        The masses are so small, or without a mistake so large, that no newton is a measure of a mistake.
+        """
         while True:
-            w = Watched.drawn(rng)
+            w = Watched.drawn(rng, 10 ** (rng.uniform(-6, -5) if wrong else rng.uniform(3, 4)))
             (M, half, slope), (_, v, acc) = w.parts(), w.at.stroke
             right = np.array([M * acc + 2 * half * v**2, half * v**2, slope])
             if left_over(*w.case(right, "").args).max() > TENTH / 4:

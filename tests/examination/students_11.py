@@ -379,6 +379,7 @@ def wrong_term(t, stroke, kinetic, potential, terms):
         ),
         "The largest term is named": (
             ("off = abs(got - expected)[moving].max() / abs(got).max()", "off = abs(got).max()"),
+            ("allowed = 0, None, 0.1", "allowed = 0, None, 0"),
         ),
         "The body comes first": (("return TERMS[term], BODIES[body]", "return BODIES[body], TERMS[term]"),),
         "Numbers are returned, and not names": (("return TERMS[term], BODIES[body]", "return term, body"),),
