@@ -384,20 +384,40 @@ def refuse_flat(a, angles, lengths) -> None:
         raise ValueError(f"the triangle is flat at a stroke of {a[flat][0]:.6g} m")
 
 
+def cosine_sine(D, b, s):
+    return np.cos(D), np.sin(D), b, s
+
+
+def divided(C, S, b, s):
+    return C / (s * S), 1 / (b * S), -1 / (s * S**2), -C / (b * S**2)
+
+
+def projected(C, S, b, s):
+    return S * C / s, S / b, (C**2 - S**2) / s, C / b
+
+
+def projected_alone(C, S, b, s):
+    """With the derivatives of what would be right."""
+    return *projected(C, S, b, s)[:2], *divided(C, S, b, s)[2:]
+
+
+def as_printed(C, S, b, s):
+    return S * C / s, S / b, C / s, C / b
+
+
 @dataclass(frozen=True)
 class Ratios:
-    """k by the sums along and across the cylinder, and h by the same sums once more; 1 is right, and 2 for Coriolis."""
+    """h by the sums along and across the cylinder, with k by a formula; 1 is right, and 2 for Coriolis."""
 
     coriolis: float = 2
     cylinder: float = 1
     rocker: float = 1
-    refuse: Callable = refuse_flat
+    k: Callable = divided
 
     def __call__(self, a, angles, lengths) -> np.ndarray:
-        self.refuse(a, angles, lengths)
+        refuse_flat(a, angles, lengths)
         b, s, D = lengths[2], a + lengths[3], angles @ [1, -1]
-        k4 = 1 / (b * np.sin(D))
-        k2 = b * k4 * np.cos(D) / s
+        k2, k4, *_ = self.k(np.cos(D), np.sin(D), b, s)
         inwards2, inwards4 = self.cylinder * s * k2**2, self.rocker * b * k4**2
         h4 = (inwards4 * np.cos(D) - inwards2) / (b * np.sin(D))
         h2 = (b * h4 * np.cos(D) + inwards4 * np.sin(D) - self.coriolis * k2) / s
@@ -418,15 +438,13 @@ class Differentiated:
 
     Attributes
     ----------
-    formula : (C, S, b, s, dD) -> k2, k4 and the parts of h2 and h4 that have the change of D as a factor.
+    formula : (C, S, b, s) -> k2, k4 and the parts of h2 and h4 that have the change of D as a factor.
     change : (k2, k4) -> dD/da.
-    of_s : of what h2 has from the change of s.
     given : (a, angles, lengths) -> C, S, b, s.
     """
 
     formula: Callable
     change: Callable = lambda k2, k4: k2 - k4
-    of_s: float = 1
     given: Callable = lambda a, angles, lengths: cosine_sine(angles @ [1, -1], lengths[2], a + lengths[3])
 
     def __call__(self, a, angles, lengths) -> np.ndarray:
@@ -434,23 +452,7 @@ class Differentiated:
         C, S, b, s = self.given(a, angles, lengths)
         k2, k4, of_D2, of_D4 = self.formula(C, S, b, s)
         dD = self.change(k2, k4)
-        return in_pairs(k2, k4, of_D2 * dD - self.of_s * k2 / s, of_D4 * dD)
-
-
-def cosine_sine(D, b, s):
-    return np.cos(D), np.sin(D), b, s
-
-
-def divided(C, S, b, s):
-    return C / (s * S), 1 / (b * S), -1 / (s * S**2), -C / (b * S**2)
-
-
-def projected(C, S, b, s):
-    return S * C / s, S / b, (C**2 - S**2) / s, C / b
-
-
-def as_printed(C, S, b, s):
-    return S * C / s, S / b, C / s, C / b
+        return in_pairs(k2, k4, of_D2 * dD - k2 / s, of_D4 * dD)
 
 
 as_derivative = partial(Differentiated, divided)
@@ -527,10 +529,13 @@ CYLINDER_RATIOS = Task(
         ),
     ),
     variants=(
-        Variant(
+        *readings(
             "The velocity is projected, and not divided by sin D",
             "Differentiate the angles by differences: is your k4 too large, or too small? Source C has this slip.",
             Differentiated(projected),
+            Differentiated(projected_alone),
+            as_ratios(k=projected),
+            lambda *args: np.array([Differentiated(projected)(*args)[0], RATIOS(*args)[1]]),
         ),
         Variant(
             "The velocity is projected, and h2 has cos D where the derivative of sin 2D / 2 has cos 2D",
@@ -541,67 +546,56 @@ CYLINDER_RATIOS = Task(
             "The Coriolis term is missing, or 1/s is differentiated with the wrong sign",
             "A point that slides along a line that turns: which term has both velocities? Also, s stands in k2.",
             as_ratios(coriolis=0),
-            share=0.4,
         ),
         Variant(
             "The Coriolis term is half of what it should be, or the change of s is forgotten",
             "s times a unit vector is differentiated twice: how often does the mixed term come? s stands in k2.",
             as_ratios(coriolis=1),
-            share=0.4,
         ),
         Variant(
             "The Coriolis term has the wrong sign",
             "On which side of the equation does it stand?",
             as_ratios(coriolis=-2),
-            share=0.4,
         ),
         Variant(
             "Both centripetal terms are missing",
             "Differentiate a cosine twice: what comes beside the second derivative of the angle?",
             as_ratios(cylinder=0, rocker=0),
-            share=0.4,
         ),
         Variant(
             "The centripetal term of the cylinder is missing",
             "The cylinder turns as well.",
             as_ratios(cylinder=0),
-            share=0.4,
         ),
         Variant(
             "The centripetal term of the rocker is missing, or D changes with theta2 alone",
             "A turns about O4, and D is the difference of two angles that both change.",
             as_ratios(rocker=0),
-            share=0.4,
         ),
         Variant(
             "The centripetal terms have the wrong sign",
             "A point that turns evenly accelerates towards the centre.",
             as_ratios(cylinder=-1, rocker=-1),
-            share=0.4,
         ),
         Variant(
             "D is taken for constant in h",
             "D is the difference of two angles, and both change with the stroke.",
             as_derivative(change=lambda k2, k4: 0),
-            share=0.4,
         ),
         Variant(
             "D changes with theta4 alone",
             "D is the difference of two angles, and both change with the stroke.",
             as_derivative(change=lambda k2, k4: -k4),
-            share=0.4,
         ),
         Variant(
             "The change of D has the wrong sign",
             "Differentiate theta2 - theta4.",
             as_derivative(change=lambda k2, k4: k4 - k2),
-            share=0.4,
         ),
         Variant(
             "The changes of the two angles are added",
             "Differentiate theta2 - theta4.",
             as_derivative(change=lambda k2, k4: k2 + k4),
-            share=0.4,
         ),
         *readings(
             "D has the wrong sign",
@@ -624,7 +618,7 @@ CYLINDER_RATIOS = Task(
             as_derivative(given=lambda a, angles, q: cosine_sine(np.pi / 2 - angles @ [1, -1], q[2], a + q[3])),
         ),
         Variant(
-            "b and s are exchanged",
+            "The lengths b and s are exchanged",
             "Which of the two lengths turns with theta4?",
             as_derivative(given=lambda a, angles, q: cosine_sine(angles @ [1, -1], a + q[3], q[2])),
         ),
@@ -640,7 +634,7 @@ CYLINDER_RATIOS = Task(
             share=0.5,
         ),
         Variant(
-            "h comes first, and k second",
+            "The ratio h comes first, and k second",
             "In which order does the task ask for them?",
             then(RATIOS, lambda ratios: ratios[::-1]),
             share=0.5,
@@ -834,7 +828,12 @@ VIRTUAL_POWER = Task(
             as_power(weight=-1),
             share=0.25,
         ),
-        Variant("m a has the wrong sign", "Which way must one push to accelerate?", as_power(inertial=-1), share=0.25),
+        Variant(
+            "The term m a has the wrong sign",
+            "Which way must one push to accelerate?",
+            as_power(inertial=-1),
+            share=0.25,
+        ),
         Variant(
             "The bodies have no moments of inertia",
             "A body that turns faster and faster takes more than its centre of mass.",
@@ -842,7 +841,7 @@ VIRTUAL_POWER = Task(
             share=0.25,
         ),
         Variant(
-            "I eps has the wrong sign",
+            "The term I eps has the wrong sign",
             "Which way must one turn to accelerate?",
             as_power(turning=-1),
             share=0.25,
@@ -881,31 +880,31 @@ VIRTUAL_POWER = Task(
             "The Coriolis acceleration is missing",
             "The rod slides along a line that turns.",
             as_power(coriolis=0),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "The Coriolis acceleration is half of what it should be",
             "The direction of the sliding turns, and the arm grows: two equal parts.",
             as_power(coriolis=1),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "The Coriolis acceleration has the wrong sign",
             "Differentiate (a + g3) times a unit vector twice.",
             as_power(coriolis=-2),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "The centripetal accelerations are missing",
             "A point that turns evenly accelerates: towards what?",
             as_power(centripetal=0),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "The centripetal accelerations point outwards",
             "A point that turns evenly accelerates: towards what?",
             as_power(centripetal=-1),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "The rod does not slide: its centre of mass only turns about O2",
@@ -938,22 +937,22 @@ VIRTUAL_POWER = Task(
             share=0.25,
         ),
         Variant(
-            "h is forgotten in the angular accelerations",
+            "The ratio h is forgotten in the angular accelerations",
             "Differentiate k v by time: both factors change.",
             as_power(turn=lambda k, h, v, acc: k * acc),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "The velocity is not squared beside h",
             "Which unit has h v?",
             as_power(turn=lambda k, h, v, acc: k * acc + h * v),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
-            "k stands where h belongs",
+            "The ratio k stands where h belongs",
             "Differentiate k v by time: what is k v^2?",
             as_power(turn=lambda k, h, v, acc: k * acc + k * v**2),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "Sine and cosine are exchanged",
@@ -1150,19 +1149,19 @@ LAGRANGE_TERMS = Task(
             share=0.5,
         ),
         Variant(
-            "dT/da is left out",
+            "The term dT/da is left out",
             "T depends on the stroke by more than the velocity.",
             combined((1, 0, 0), (0, 0, 0), (0, 0, 1)),
             share=0.5,
         ),
         Variant(
-            "dT/da is twice too large",
+            "The term dT/da is twice too large",
             "T is half of M v^2.",
             combined((1, 0, 0), (0, 2, 0), (0, 0, 1)),
             share=0.5,
         ),
         Variant(
-            "dT/da has the wrong sign",
+            "The term dT/da has the wrong sign",
             "The task asks for dT/da; the minus is in Lagrange's equation.",
             combined((1, 0, 0), (0, -1, 0), (0, 0, 1)),
             share=0.5,
@@ -1230,7 +1229,7 @@ LAGRANGE_TERMS = Task(
             "The arm of the rod is taken for constant in the slope of the inertia",
             "a + g3 is in M: differentiate it as well.",
             as_lagrange(shifts=0),
-            share=0.4,
+            share=0.5,
         ),
         Variant(
             "The rod does not slide: its centre of mass stays where it is on the cylinder",
@@ -1373,12 +1372,15 @@ class Watched:
     def parts(self, slip: Lagrange = LAGRANGE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return slip.of_bodies(*self.at.args)
 
-    def case(self, terms: np.ndarray, what: str) -> Case:
+    @cached_property
+    def energies(self) -> tuple[np.ndarray, np.ndarray]:
         (a, v, _), M = self.at.stroke, self.parts()[0]
         heights = carried(a, self.at.lengths, self.at.bodies)[0].imag.T
-        energies = M * v**2 / 2, G * self.at.bodies[:, 1:] * heights
+        return M * v**2 / 2, G * self.at.bodies[:, 1:] * heights
+
+    def case(self, terms: np.ndarray, what: str) -> Case:
         label = f"{self.at.label}, a motion of {self.t[-1] + self.t[1]:.3g} s, {what}"
-        return Case((self.t, self.at.stroke, *energies, terms), label=label)
+        return Case((self.t, self.at.stroke, *self.energies, terms), label=label)
 
 
 def in_momentum(w: Watched, rng: np.random.Generator) -> np.ndarray:

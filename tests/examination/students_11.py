@@ -126,13 +126,13 @@ def cylinder_ratios(a, angles, lengths):
             ("S, C = math.sin(D), math.cos(D)", "S, C = math.cos(D), math.sin(D)"),
             ("abs(S) < 1e-6", "abs(C) < 1e-6"),
         ),
-        "b and s are exchanged": (("s = stroke + l", "b, s = stroke + l, lengths[2]"),),
+        "The lengths b and s are exchanged": (("s = stroke + l", "b, s = stroke + l, lengths[2]"),),
         "The angles are taken for degrees": (
             ("S, C = math.sin(D)", "flat, D = abs(math.sin(D)), math.radians(D)\n        S, C = math.sin(D)"),
             ("abs(S) < 1e-6", "flat < 1e-6"),
         ),
         "theta4 comes first": (("return np.array([k, h])", "return np.array([k[:, ::-1], h[:, ::-1]])"),),
-        "h comes first, and k second": (("return np.array([k, h])", "return np.array([h, k])"),),
+        "The ratio h comes first, and k second": (("return np.array([k, h])", "return np.array([h, k])"),),
         "The angles come before the points": (("return np.array([k, h])", "return np.array([k.T, h.T])"),),
         "A flat triangle gets ratios": (("abs(S) < 1e-6", "S is None"),),
     },
@@ -189,9 +189,9 @@ def virtual_power(stroke, angles, ratios, lengths, bodies):
         "The weight is forgotten": (("g = 9.80665", "g = 0"),),
         "The weight is counted twice": (("g = 9.80665", "g = 2 * 9.80665"),),
         "The weight has the wrong sign": (("g = 9.80665", "g = -9.80665"),),
-        "m a has the wrong sign": (("inertial, turning = 1, 1", "inertial, turning = -1, 1"),),
+        "The term m a has the wrong sign": (("inertial, turning = 1, 1", "inertial, turning = -1, 1"),),
         "The bodies have no moments of inertia": (("inertial, turning = 1, 1", "inertial, turning = 1, 0"),),
-        "I eps has the wrong sign": (("inertial, turning = 1, 1", "inertial, turning = 1, -1"),),
+        "The term I eps has the wrong sign": (("inertial, turning = 1, 1", "inertial, turning = 1, -1"),),
         "The rocker's moment of inertia has the mass of the barrel": (("m4 * long4**2", "m2 * long4**2"),),
         "The moments of inertia are about the ends of the bars": (("part = 12", "part = 3"),),
         "The moments of inertia are about O2 and O4": (
@@ -218,7 +218,7 @@ def virtual_power(stroke, angles, ratios, lengths, bodies):
         "The acceleration of the stroke is missing from that of the rod": (("= 1, acc", "= 1, 0"),),
         "The length O2-A stands where the stroke belongs": (("r = a + g3", "r = a + l + g3"),),
         "The centre of mass of the rod stays at g3 from O2": (("r = a + g3", "r = g3"),),
-        "h is forgotten in the angular accelerations": (
+        "The ratio h is forgotten in the angular accelerations": (
             ("+ h2 * v**2", ""),
             ("+ h4 * v**2", ""),
         ),
@@ -226,7 +226,7 @@ def virtual_power(stroke, angles, ratios, lengths, bodies):
             ("h2 * v**2", "h2 * v"),
             ("h4 * v**2", "h4 * v"),
         ),
-        "k stands where h belongs": (("h2, h4 = ratios[1, i]", "h2, h4 = ratios[0, i]"),),
+        "The ratio k stands where h belongs": (("h2, h4 = ratios[1, i]", "h2, h4 = ratios[0, i]"),),
         "Sine and cosine are exchanged": (("c2, s2, c4, s4 = math.cos(th2),", "s2, c2, s4, c4 = math.cos(th2),"),),
         "The angles are taken for degrees": (("th2, th4 = angles[i]", "th2, th4 = np.radians(angles[i])"),),
         "Cylinder and rocker exchange their ratios": (
@@ -281,9 +281,9 @@ def lagrange_terms(stroke, angles, ratios, lengths, bodies):
         "In d/dt(dT/dv) the change of the inertia is forgotten": (
             ("momentum = inertia + change", "momentum = inertia"),
         ),
-        "dT/da is left out": (("by_stroke = half * dM * v**2", "by_stroke = 0 * v"),),
-        "dT/da is twice too large": (("by_stroke = half * dM", "by_stroke = 2 * half * dM"),),
-        "dT/da has the wrong sign": (("by_stroke = half * dM", "by_stroke = -half * dM"),),
+        "The term dT/da is left out": (("by_stroke = half * dM * v**2", "by_stroke = 0 * v"),),
+        "The term dT/da is twice too large": (("by_stroke = half * dM", "by_stroke = 2 * half * dM"),),
+        "The term dT/da has the wrong sign": (("by_stroke = half * dM", "by_stroke = -half * dM"),),
         "T has lost its half": (("half = 9.80665, 0.5", "half = 9.80665, 1.0"),),
         "The first two terms are exchanged": (("[momentum, by_stroke, dV]", "[by_stroke, momentum, dV]"),),
         "The potential energy comes first": (("[momentum, by_stroke, dV]", "[dV, momentum, by_stroke]"),),
