@@ -4,20 +4,22 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from matplotlib.path import Path
 
 from mechlib import drawn
 from mechlib.cylinder import Cylinder
+from mechlib.fourbar import FourBar
 from mechlib.motion import Motion
 from mechlib.sweep import consecutive
 from mechlib.wiper import Wiper
 
+TURN = np.linspace(0, 2 * np.pi, 24, endpoint=False)
 
-def figure(machine, **more):
-    turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    motion = Motion(turn, turn, np.ones_like(turn), np.zeros_like(turn))
-    sweep = consecutive(machine, motion, machine.position(0.0), tol=1e-12)
-    return drawn.wiper(machine, sweep, **more)
+
+def figure(machine, draw=drawn.wiper, **more):
+    motion = Motion(TURN, TURN, np.ones_like(TURN), np.zeros_like(TURN))
+    return draw(machine, consecutive(machine, motion, machine.position(0.0), tol=1e-12), **more)
 
 
 def rigid(moving):
@@ -51,7 +53,7 @@ def test_the_rod_slides_in_the_barrel_from_stop_to_stop_and_both_are_in_line():
         a, still = np.linspace(*machine.stroke, 24), np.zeros(24)
         moving = drawn.cylinder(machine, machine.sweep(machine.length(Motion(a, a, still, still)), branch))
         joints = rigid(moving)
-        start, piston, pin, mouth = (joints[name] @ (1, 1j) for name in ("O2", "P", "A", "_mouth"))
+        start, piston, pin, mouth = (joints[name] @ (1, 1j) for name in ("O₂", "P", "A", "_mouth"))
         line = (mouth - start) / abs(mouth - start)
         along = [(point - start) / line for point in (piston, pin, mouth)]
         np.testing.assert_allclose(np.imag(along), 0, atol=1e-12)
@@ -59,3 +61,20 @@ def test_the_rod_slides_in_the_barrel_from_stop_to_stop_and_both_are_in_line():
             np.testing.assert_allclose(distance, expected, atol=1e-12)
         np.testing.assert_allclose(abs(joints["A"] @ (1, 1j)), 0.25, atol=1e-12)
         np.testing.assert_allclose(moving.input.values, a, atol=1e-12)
+
+
+def test_the_coupler_of_the_four_bar_is_a_rigid_triangle_wherever_its_frame_lies():
+    for linkage in (FourBar(), FourBar(x0=0.3, y0=-0.2, theta0=0.7)):
+        moving = figure(linkage, drawn.fourbar)
+        joints = rigid(moving)
+        assert moving.bodies["coupler"] == "ABPA"
+        np.testing.assert_allclose(joints["P"], linkage.coupler_point(TURN), atol=1e-14)
+        np.testing.assert_allclose(joints["O₂"][0], [linkage.x0, linkage.y0])
+        assert np.linalg.norm(joints["O₄"] - joints["O₂"], axis=1) == pytest.approx(linkage.r1)
+
+
+def test_a_cloud_of_throws_lies_about_its_mean_and_is_enlarged():
+    means = np.array([[0.1, 0.2], [0.3, 0.4]])
+    aside = 1e-5 * np.array([[[1, 2], [3, 4]], [[-1, -2], [-3, -4]]])
+    cloud = figure(FourBar(), drawn.fourbar, throws=means + aside, enlarged=1000).cloud
+    np.testing.assert_allclose(cloud, [[0.11, 0.22], [0.33, 0.44], [0.09, 0.18], [0.27, 0.36]])
