@@ -19,6 +19,7 @@ import yaml
 from autograder.checks import EXERCISES
 from autograder.report import section_address
 from mechlib.cylinder import Cylinder
+from mechlib.fourbar import FourBar
 from mechlib.hacksaw import Hacksaw
 from mechlib.wiper import Wiper
 
@@ -165,7 +166,18 @@ def cylinder_joints():
     O2, s, b = cylinder.o2 - 1j * cylinder.o4 + 0 * a, a + cylinder.l, cylinder.b
     line = -O2 / np.abs(O2) * np.exp(-1j * np.arccos((np.abs(O2) ** 2 + s**2 - b**2) / (2 * np.abs(O2) * s)))
     A = O2 + s * line
-    places = {"A": A, "P": O2 + a * line, "G4": 0.6 * A / np.abs(A), "O2": O2, "O4": 0 * A}
+    places = {"A": A, "P": O2 + a * line, "G₄": 0.6 * A / np.abs(A), "O₂": O2, "O₄": 0 * A}
+    return {name: np.stack((z.real, z.imag), axis=-1) for name, z in places.items()}
+
+
+def fourbar_joints():
+    """By complex numbers: B where two circles meet, to the left of the line from A to O4."""
+    bars, crank = FourBar(), np.exp(1j * np.deg2rad(np.arange(0, 360, 2)))
+    A, O4 = bars.r2 * crank, bars.r1 + 0 * crank
+    far = np.abs(O4 - A)
+    along = (O4 - A) / far * np.exp(1j * np.arccos((far**2 + bars.r3**2 - bars.r4**2) / (2 * far * bars.r3)))
+    places = {"O₂": 0 * crank, "A": A, "B": A + bars.r3 * along, "O₄": O4}
+    places["P"] = A + (bars.rcx + 1j * bars.rcy) * along
     return {name: np.stack((z.real, z.imag), axis=-1) for name, z in places.items()}
 
 
@@ -175,9 +187,11 @@ def cylinder_joints():
         ("index", 0, hacksaw_joints),
         ("index", 1, wiper_joints),
         ("index", 2, cylinder_joints),
+        ("index", 3, fourbar_joints),
         ("hacksaw-closure", 0, hacksaw_joints),
         ("wiper-kinematics", 0, wiper_joints),
         ("cylinder-kinematics", 0, cylinder_joints),
+        ("fourbar-coupler", 0, fourbar_joints),
     ],
 )
 def test_a_draggable_figure_lives_in_the_built_page_and_shows_the_mechanism(html, opened, page, place, joints):

@@ -10,6 +10,7 @@ import pytest
 import sympy as sp
 
 from mechlib.cylinder import Cylinder
+from mechlib.fourbar import FourBar
 from mechlib.hacksaw import Hacksaw
 from mechlib.wiper import Wiper
 
@@ -69,6 +70,7 @@ def test_every_mechlib_name_of_the_page_exists(page):
         *(f"hacksaw.Hacksaw.{row[-1]}" for row in page["hacksaw"]),
         *(f"wiper.Wiper.{row[-1]}" for row in page["wiper"]),
         *(f"cylinder.Cylinder.{row[-1]}" for row in page["cylinder"] if row[-1]),
+        *(f"fourbar.FourBar.{row[-1]}" for row in page["fourbar"] if row[-1]),
     ]
     assert len(names) > 30
     for name in names:
@@ -101,7 +103,7 @@ def test_the_units_of_the_hacksaw_follow_from_its_equations(page):
 
 
 def test_every_symbol_of_the_page_has_one_meaning_within_its_table(page):
-    for table in ("shared", "hacksaw", "wiper", "cylinder"):
+    for table in ("shared", "hacksaw", "wiper", "cylinder", "fourbar"):
         symbols = [row[0] for row in page[table]]
         assert len(set(symbols)) == len(symbols)
 
@@ -112,11 +114,14 @@ def test_every_length_of_the_wiper_is_in_the_table_under_its_own_symbol(page):
         assert rows[f"${sp.latex(symbol).replace('{', '').replace('}', '')}$"] == f"r{k}"
 
 
-@pytest.mark.parametrize("machine", [Wiper, Cylinder])
+@pytest.mark.parametrize("machine", [Wiper, Cylinder, FourBar])
 def test_every_coordinate_is_in_the_table_under_its_own_symbol_and_in_its_unit(page, machine):
     name = machine.__name__
     rows = {row[0]: row[2:] for row in page[name.lower()]}
-    angles = dict(zip(machine.closure.unknowns, machine.closure.angles, strict=True)) | {Wiper.closure.input: True}
+    angles = dict(zip(machine.closure.unknowns, machine.closure.angles, strict=True)) | {
+        Wiper.closure.input: True,
+        FourBar.closure.input: True,
+    }
     for coordinate in (*machine.closure.unknowns, machine.closure.input):
         unit = "rad" if angles.get(coordinate) else "m"
         for symbol, per in zip(coordinate, ("", "/s", "/s²"), strict=True):
@@ -128,3 +133,9 @@ def test_every_coordinate_is_in_the_table_under_its_own_symbol_and_in_its_unit(p
 def test_every_parameter_of_the_cylinder_has_a_row_that_names_it(page):
     named = {symbol.strip("$") for row in page["cylinder"] for symbol in row[0].split(", ")}
     assert {sp.latex(symbol).replace("{", "").replace("}", "") for symbol in Cylinder.parameters} <= named
+
+
+def test_every_length_of_the_four_bar_is_in_the_table_under_its_own_symbol(page):
+    rows = {row[0]: row[-1] for row in page["fourbar"]}
+    for symbol, constant in zip(FourBar.parameters, FourBar().constants, strict=True):
+        assert looked_up(f"fourbar.FourBar.{rows[f'${sp.latex(symbol)}$']}") == constant
