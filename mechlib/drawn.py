@@ -108,7 +108,7 @@ def fourbar(
     values: Sequence[Quantity] = (),
     arrows: Sequence[Arrows] = (),
     throws: ArrayLike = (),
-    enlarged: float = 10_000,
+    enlarged: float = 5000,
     **more,
 ) -> Moving:
     """The four-bar linkage with the curve that the point P of its coupler draws.
