@@ -75,6 +75,17 @@ def velocity_ratios(closure: Closure) -> tuple[sp.Matrix, sp.Matrix]:
     return k, -closure.solved(closure.gamma.subs(unit).subs(moving))
 
 
+def torque(rigid: RigidBodies) -> sp.Expr:
+    """What must drive a mechanism, in symbols: of the input's motion, the positions, the parameters and the loads.
+
+    No velocity of an unknown is in it, so at a given motion it is a function of the position alone, as a place is.
+    """
+    equation, u = ReducedEquation.of(rigid), rigid.closure.input
+    k, h = velocity_ratios(rigid.closure)
+    tied = dict(zip((*equation.k, *equation.h), (*k, *h), strict=True))
+    return (equation.inertia * u.acceleration + equation.inertial - equation.load).subs(tied)
+
+
 class Terms(NamedTuple):
     """The terms at one instant: J, J'/2 u'^2 + V', and Q."""
 

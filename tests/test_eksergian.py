@@ -1,13 +1,17 @@
 """Eksergian's one equation, beside the seventeen that do not know of it."""
 
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 import pytest
+import sympy as sp
 from linkages import crank_rockers
 
 from mechlib import eksergian
 from mechlib.direct import direct_dynamics
+from mechlib.dynamics import inverse_dynamics
+from mechlib.motion import Motion
+from mechlib.sweep import consecutive
 from mechlib.wiper import Wiper
 
 
@@ -35,6 +39,20 @@ def test_the_velocity_ratios_and_their_derivatives_are_differences_of_the_positi
         k, h = eksergian.ratios(wiper, 1.0, here)
         np.testing.assert_allclose(k, (after - before) / (2 * step), atol=1e-6)
         np.testing.assert_allclose(h, (after - 2 * here + before) / step**2, atol=1e-5)
+
+
+def test_the_torque_in_symbols_is_that_of_the_fifteen_equations(wipers):
+    closure, forces = Wiper.closure, (load.force for load in Wiper.rigid.loads)
+    symbols = (*closure.input, *(q.position for q in closure.unknowns), *Wiper.parameters, *chain(*forces))
+    torque = sp.lambdify(symbols, eksergian.torque(Wiper.rigid), cse=True)
+    rng = np.random.default_rng(7)
+    for wiper in wipers[:5]:
+        crank = rng.uniform(-7, 7, (3, 1))
+        q, loads = wiper.position(crank[0]), rng.uniform(-5, 5, (1, 2, 2))
+        motion = Motion(np.zeros(1), *crank)
+        expected = inverse_dynamics(wiper, consecutive(wiper, motion, q[0], tol=1e-13), loads).torque[0]
+        found = torque(*crank[:, 0], *q[0], *wiper.constants, *loads.ravel())
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 def test_the_reduced_inertia_tells_the_kinetic_energy(wipers):
