@@ -229,7 +229,10 @@ class Even:
 
     Attributes
     ----------
-    means, deviations : ndarray, shape (sets, ...)
+    means : ndarray, shape (sets, ...)
+    deviations : ndarray, shape (sets, ...)
+        Over the number of points, not less one: the mean of even points is no accident of theirs. The sets would
+        share that error, and their intervals could not see it.
     """
 
     means: np.ndarray
@@ -300,7 +303,8 @@ def quasi_monte_carlo(
     found = [work(*each) for each in seeds] if executor is None else list(_asked(work, seeds, executor))
     if (whole := Thrown.merged(found)).open:
         raise OpenThrowsError(whole.open, whole.first_open, points * sets)
-    return Even(*(np.array([getattr(each.moments, name) for each in found]) for name in ("mean", "deviation")))
+    means, seconds = (np.array([getattr(each.moments, name) for each in found]) for name in ("mean", "second"))
+    return Even(means, np.sqrt(seconds / points))
 
 
 def _set(result: Result, law: JointLaw, points: int, block: int, number: int, seed: np.random.SeedSequence) -> Thrown:
