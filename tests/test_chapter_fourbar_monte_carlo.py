@@ -326,7 +326,7 @@ def test_the_throws_that_open_are_too_short_and_as_many_as_the_law_says(chapter)
 def test_the_means_are_those_of_the_programs_lengths_and_the_deviations_those_of_the_mistake(chapter):
     means = rows(chapter, "mean, D (m)")
     assert [row[-1] for row in means].count("agrees") == 18
-    assert [row[-1] for row in means].count("agrees, three digits printed") == 2
+    assert [row[-1] for row in means].count("agrees, to 3 digits") == 2
     exact = point(BY_PROGRAM)[0]
     here = np.array([float(row[3]) for row in means]).reshape(10, 2)
     np.testing.assert_allclose(here, np.stack((exact.real, exact.imag), axis=1), atol=2e-7)
