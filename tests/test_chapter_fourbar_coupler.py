@@ -1,45 +1,20 @@
 """The chapter on the four-bar linkage: what its cells claim, against geometry that shares nothing with mechlib."""
 
 import re
-from pathlib import Path
 
-import IPython.display
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from executed import BOOK, executed, rows
 
-BOOK = Path(__file__).parents[1] / "book"
 TEXT = (BOOK / "fourbar-coupler.md").read_text("utf-8")
 R1, R2, R3, R4, RCX, RCY = 1.08913, 0.42259, 0.964444, 0.58781, 0.39137, 0.42950  # m, source D, table 1
 DEGREES = np.arange(361)
 TURN = np.deg2rad(DEGREES)
 
 
-def cells():
-    for cell in re.findall(r"```\{code-cell\} ipython3\n(.*?)```", TEXT, re.DOTALL):
-        code = re.sub(r"\A(---\n.*?\n---\n|:tags:.*\n)", "", cell, flags=re.DOTALL if cell.startswith("---") else 0)
-        if "import glue" not in code and "from autograder" not in code:
-            yield re.sub(r"^%.*$", "", code, flags=re.MULTILINE)
-
-
 @pytest.fixture(scope="module")
 def chapter():
-    """What the cells define, under "tables" what they print as tables, and under "output" their lines."""
-    names: dict = {"tables": [], "output": []}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(BOOK)
-        patch.setattr(IPython.display, "Markdown", names["tables"].append)
-        patch.setattr(plt, "show", lambda: plt.close("all"))
-        patch.setattr("builtins.print", lambda line: names["output"].append(str(line)))
-        for cell in cells():
-            exec(cell, names)
-    return names
-
-
-def rows(chapter, first):
-    """The cells of the table whose first title is this."""
-    (table,) = (t for t in chapter["tables"] if t.startswith(f"| {first} |"))
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
+    return executed("fourbar-coupler")
 
 
 def assembled(crank, side=1, lengths=(R1, R2, R3, R4, RCX, RCY)):
@@ -88,15 +63,15 @@ def test_triangle_half_angle_and_newton_give_the_branch_they_name(chapter, name,
     np.testing.assert_allclose(chapter["coupler_point"](TURN, side), P, atol=1e-13)
     X, Y = chapter["half_pair"](chapter["linkage"], TURN, -side)
     np.testing.assert_allclose((X + 1j * Y) ** 2 / (X**2 + Y**2), (B - A) / R3, atol=1e-13)
-    (line,) = (each for each in chapter["output"] if each.startswith(name) and "closed" in each)
+    (line,) = (each for each in chapter["said"] if each.startswith(name) and "closed" in each)
     assert line.count("True") == 2
-    (line,) = (each for each in chapter["output"] if each.startswith(name) and "iterations" in each)
+    (line,) = (each for each in chapter["said"] if each.startswith(name) and "iterations" in each)
     assert line.endswith("agrees to 1e-13: True")
 
 
 def test_the_derivation_of_freudenstein_s_equation_holds(chapter):
-    assert "the same: True" in chapter["output"]
-    assert "ka Y² + kb X Y + kc X² = 0: True" in chapter["output"]
+    assert "the same: True" in chapter["said"]
+    assert "ka Y² + kb X Y + kc X² = 0: True" in chapter["said"]
     A, B, _ = assembled(TURN)
     th3 = np.angle(B - A)
     l1, l2, l3 = R1 / R2, R1 / R3, (R4**2 - R1**2 - R2**2 - R3**2) / (2 * R2 * R3)
@@ -153,7 +128,7 @@ def test_the_table_of_grounds_says_where_the_crank_turns(chapter):
 
 
 def test_source_d_lies_40_mm_from_a_change_point(chapter):
-    assert "room for r1: 40.53 mm to the change point" in chapter["output"]
+    assert "room for r1: 40.53 mm to the change point" in chapter["said"]
     assert 1000 * (R3 + R4 - R2 - R1) == pytest.approx(40.534, abs=1e-3)
     before, close, there, beyond = chapter["apart"]
     assert there < 1e-3 < 1 < close < before
@@ -190,8 +165,8 @@ def test_the_velocity_is_the_derivative_of_the_curve(chapter):
     np.testing.assert_allclose(chapter["v"][:-1], rate(P), atol=1e-10)
     np.testing.assert_allclose(chapter["omega3"][:-1], (rate(B - A) / (1j * (B - A))).real, atol=1e-10)
     np.testing.assert_allclose(chapter["order"], 2, atol=0.02)
-    assert "as mechlib's: omega3 True, velocity of P True" in chapter["output"]
-    assert "v = i omega3 (P - centre): True" in chapter["output"]
+    assert "as mechlib's: omega3 True, velocity of P True" in chapter["said"]
+    assert "v = i omega3 (P - centre): True" in chapter["said"]
     assert chapter["meets"].sum() > 300
 
 
@@ -232,8 +207,8 @@ def test_the_bent_coupler_is_rigid_and_another_one(chapter):
     arm = (chapter["bent"] - A) / (B - A) * R3
     np.testing.assert_allclose(arm, (RCX + 1j * RCY) * np.exp(-1j), atol=1e-13)
     assert np.abs(chapter["bent"] - P).max() > 0.5
-    assert "bent by -2 theta0 at every angle: True" in chapter["output"]
-    assert "|P - A| and |P - B| constant: True" in chapter["output"]
+    assert "bent by -2 theta0 at every angle: True" in chapter["said"]
+    assert "|P - A| and |P - B| constant: True" in chapter["said"]
 
 
 def test_no_drawn_theta4_closes_the_loop(chapter):

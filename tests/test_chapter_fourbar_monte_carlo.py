@@ -155,14 +155,14 @@ def test_with_n_the_variance_of_four_throws_is_three_quarters_and_with_n_less_on
 
 
 def test_only_the_interval_that_asks_the_kurtosis_holds_for_every_law(chapter):
-    table = {row[0]: row[1:] for row in rows(chapter, "Bonett, 800")}
+    table = {row[0]: row[1:] for row in rows(chapter, r"by $\kappa$, 800")}
     uniform, p, normal, laplace = table.values()
     assert [row[0] for row in table.values()] == ["1.8", "2.5", "3.0", "4.1"]
     for row in table.values():
-        mean, _, bonett, _, bonett_800 = (float(cell.rstrip("%")) for cell in row[1:])
+        mean, _, few, _, many = (float(cell.rstrip("%")) for cell in row[1:])
         assert abs(mean - 95) < 1.5
-        assert 92.5 < bonett < 96
-        assert abs(bonett_800 - 95) < 2.5
+        assert 92.5 < few < 96
+        assert abs(many - 95) < 2.5
     for column in (2, 4):
         assert float(uniform[column].rstrip("%")) > 99
         assert float(p[column].rstrip("%")) > 96
@@ -335,14 +335,10 @@ def test_the_means_are_those_of_the_programs_lengths_and_the_deviations_those_of
     assert all(said == "differs" for said, _ in verdicts[::2])  # every sigma_x
 
 
-def test_the_printed_means_need_the_lengths_of_the_program(chapter):
+def test_the_printed_means_need_the_lengths_of_the_program():
     sharp = np.delete(PRINTED[:, 1] + 1j * PRINTED[:, 2], [3, 8])
     by_table, by_program = (np.abs(np.delete(point(six)[0], [3, 8]) - sharp).max() for six in (SIX, BY_PROGRAM))
     assert by_program < 3.4e-6 < 40e-6 < by_table
-    assert chapter["off_by"]["table 1"] > 50
-    assert chapter["off_by"]["program"] < 2
-    assert chapter["fitted"].r2 == pytest.approx(0.42255, abs=4e-6)
-    assert chapter["fitted"].r3 == pytest.approx(0.96444, abs=4e-6)
 
 
 def test_the_captions_of_the_source_cut_the_angles_off(chapter):
@@ -351,11 +347,10 @@ def test_the_captions_of_the_source_cut_the_angles_off(chapter):
         assert (row[3] == "agrees") == (row[2] == f"{angle:.2f}")
 
 
-@pytest.mark.parametrize("place", ["listing, l3", "table 1", "listing, theta4"])
-def test_a_mistake_of_source_d_stands_in_a_box_of_its_own(place):
-    """D1, D3, D4."""
+def test_the_mistake_of_source_d_stands_in_a_box_of_its_own():
+    """D1."""
     boxes = re.findall(r":::\{admonition\} (Source D.*?)\n:class: warning", TEXT)
-    assert sum(place in box for box in boxes) == 1, boxes
+    assert len([box for box in boxes if "listing, l3" in box]) == len(boxes) == 1
 
 
 @pytest.mark.parametrize("figure", ["figure 2", "figures 3 to 12"])
