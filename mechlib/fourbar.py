@@ -185,9 +185,15 @@ class FourBar:
         if open_points == "refuse" and ((gap := self.gap(theta2)) > 0).any():
             raise OpenLoopError("theta_2", np.broadcast_to(theta2, gap.shape), gap)
         turned = np.exp(1j * theta2)
+        coupler = self._from_diagonal(turned.real, branch, open_points)
         crank = (self.r2 + 0j) * turned
-        diagonal = (self.r1 + 0j) - crank  # from A to O4
-        square = (self.r1**2 + self.r2**2) - (2 * self.r1 * self.r2) * turned.real
+        with np.errstate(invalid="ignore"):
+            coupler *= (self.r1 + 0j) - crank
+        return crank, coupler
+
+    def _from_diagonal(self, cosine: np.ndarray, branch: Branch, open_points: OpenPoints) -> np.ndarray:
+        """What turns and stretches the diagonal from A to O4 into the coupler."""
+        square = (self.r1**2 + self.r2**2) - (2 * self.r1 * self.r2) * cosine  # of the diagonal
         room = (self.r3 + self.r4) ** 2 - square
         room *= square - (self.r3 - self.r4) ** 2  # Heron: 16 times the square of the area
         if open_points == "refuse":
@@ -195,13 +201,12 @@ class FourBar:
             if not np.all(square):
                 point = np.flatnonzero(square == 0)[0]
                 raise ZeroDivisionError(f"A lies on O4 at point {point}: no direction of the rocker is determined")
-        coupler = np.empty_like(diagonal)
+        factor = np.empty(np.shape(room), complex)
         with np.errstate(divide="ignore", invalid="ignore"):
-            part = 0.5 / square
-            np.multiply(square + (self.r3**2 - self.r4**2), part, out=coupler.real)
-            np.multiply(np.sqrt(room), part if branch == "open" else -part, out=coupler.imag)
-            coupler *= diagonal
-        return crank, coupler
+            half = 0.5 / square
+            np.add(half * (self.r3**2 - self.r4**2), 0.5, out=factor.real)
+            np.multiply(np.sqrt(room), half if branch == "open" else -half, out=factor.imag)
+        return factor
 
     def branch(self, q: ArrayLike) -> np.ndarray:
         """The assembly branch of closed positions; shapes (..., 2) -> (...)."""

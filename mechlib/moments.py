@@ -37,13 +37,16 @@ class Moments:
     @classmethod
     def of(cls, results: np.ndarray) -> "Moments":
         """Of at least one throw; shape (throws, ...)."""
-        results = np.ascontiguousarray(np.moveaxis(results, 0, -1))  # to add up neighbours is six times as fast
-        mean = results.mean(axis=-1)
-        off = results - mean[..., None]
-        square = off * off
-        # einsum, since a product of matrices may be added up in another order by other processes
-        third, fourth = (np.einsum("...n,...n->...", square, other) for other in (off, square))
-        return cls(results.shape[-1], mean, square.sum(axis=-1), third, fourth)
+        off = np.array(np.moveaxis(results, 0, -1), dtype=float, order="C")  # neighbours are added up six times as fast
+        mean = off.mean(axis=-1)
+        off -= mean[..., None]
+        power = off * off
+        second = power.sum(axis=-1)
+        power *= off
+        third = power.sum(axis=-1)
+        power *= off
+        fourth = power.sum(axis=-1)
+        return cls(len(results), mean, second, third, fourth)
 
     @classmethod
     def merged(cls, pieces: "Sequence[Moments]") -> "Moments":

@@ -8,6 +8,7 @@ number of workers gives the same bits.
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, islice
@@ -178,6 +179,15 @@ def _units(k: int, seed: int, block: int, start: int, stop: int) -> Iterator[tup
         yield begin, generator.random((k, block)).T, max(start - begin, 0), min(stop - begin, block)
 
 
+@contextmanager
+def _short_rows() -> Iterator[None]:
+    """For arrays whose rows are as short as a block: in its usual buffer NumPy would copy each that it repeats."""
+    with np.errstate():  # which puts the usual buffer back
+        np.setbufsize(BLOCK)
+        yield
+
+
+@_short_rows()
 def _blocks(result: Result, law: JointLaw, seed: int, block: int, start: int, stop: int) -> Thrown:
     return Thrown.merged(
         [
@@ -307,6 +317,7 @@ def quasi_monte_carlo(
     return Even(means, np.sqrt(seconds / points))
 
 
+@_short_rows()
 def _set(result: Result, law: JointLaw, points: int, block: int, number: int, seed: np.random.SeedSequence) -> Thrown:
     sequence = qmc.Sobol(len(law.mean), bits=53, rng=np.random.default_rng(seed))
     return Thrown.merged(

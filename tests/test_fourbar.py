@@ -102,9 +102,10 @@ def test_the_coupler_point_moves_at_the_rate_of_its_curve(linkage):
     np.testing.assert_allclose(path.acceleration @ [1, 1j], np.fft.ifft(modes**2 * curve), atol=1e-9)
 
 
-def test_many_linkages_at_once_are_each_of_them_alone(linkage):
+@pytest.mark.parametrize("names", [LENGTHS, *((name,) for name in LENGTHS)])
+def test_many_linkages_at_once_are_each_of_them_alone(linkage, names):
     rng = np.random.default_rng(10)
-    lengths = {name: getattr(linkage, name) * (1 + 0.01 * rng.standard_normal(7)) for name in LENGTHS}
+    lengths = {name: getattr(linkage, name) * (1 + 0.01 * rng.standard_normal(7)) for name in names}
     together = replace(linkage, **lengths).coupler_point(THETA2[:, None])
     for k in range(7):
         alone = replace(linkage, **{name: values[k] for name, values in lengths.items()})
