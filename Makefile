@@ -67,6 +67,7 @@ benchmarks: environment system
 	$(call step,300 students,$(BIN)/python tests/benchmarks/cohort_of_300.py)
 	$(call step,a mechanism along its motion,$(BIN)/python tests/benchmarks/sweeps.py)
 	$(call step,dynamics beside loops and an engine,$(BIN)/python tests/benchmarks/wiper.py)
+	$(call step,throws beside a loop and plain NumPy,$(BIN)/python tests/benchmarks/fourbar.py)
 
 system:
 	@sh .ci/packages
