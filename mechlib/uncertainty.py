@@ -172,9 +172,11 @@ def throw(law: JointLaw, start: int, stop: int, seed: int = 0, block: int = BLOC
 
 def _units(k: int, seed: int, block: int, start: int, stop: int) -> Iterator[tuple[int, np.ndarray, int, int]]:
     """Number of the first throw, points of the unit cube of one block, and which of them are asked for."""
-    key = np.random.SeedSequence(seed).generate_state(2, np.uint64)
+    philox = np.random.Philox(key=np.random.SeedSequence(seed).generate_state(2, np.uint64))
+    generator, state = np.random.Generator(philox), philox.state
     for number in range(start // block, -(-stop // block)):
-        generator = np.random.Generator(np.random.Philox(key=key, counter=[0, number, 0, 0]))
+        state["state"]["counter"][:] = 0, number, 0, 0
+        philox.state = state  # where a new generator would begin, which takes longer to make
         begin = number * block
         yield begin, generator.random((k, block)).T, max(start - begin, 0), min(stop - begin, block)
 
