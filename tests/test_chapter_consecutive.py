@@ -173,7 +173,7 @@ def test_a_coupler_of_100_mm_is_too_short_at_181_of_the_instants():
     assert THETA2[np.argmax(open_by > 0)] == pytest.approx(3.96958, abs=1e-5)
 
 
-def test_the_axis_of_source_a_cuts_the_velocity_at_15_instants():
+def test_a11_the_axis_of_source_a_cuts_the_velocity_at_15_instants():
     assert (np.abs(NINE[3]) > 0.6).sum() == 15
 
 

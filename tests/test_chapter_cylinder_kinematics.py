@@ -145,7 +145,7 @@ def test_the_table_of_limits_says_which_binds(chapter):
             assert leverage == f"{abs(sine):.2f}"
 
 
-def test_hi_is_0_195_and_with_the_printed_one_five_millimetres_are_left_over(chapter):
+def test_c7_hi_is_0_195_and_with_the_printed_one_five_millimetres_are_left_over(chapter):
     a, e, li, ls = map(Fraction, ("0.6", "0.01", "0.4", "0.8"))
     assert chapter["hi"] == a - e / 2 - li == Fraction("0.195")
     assert chapter["hs"] == ls - e / 2 - a == Fraction("0.195")

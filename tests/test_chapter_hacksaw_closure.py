@@ -80,7 +80,7 @@ def test_a_vector_accelerates_by_four_terms():
     assert sp.simplify(sp.expand(z.diff(t).subs(t, 0) * sp.exp(-sp.I * th)) - (v + sp.I * w * r)) == 0
 
 
-def test_source_a_s_equations_are_the_derivatives_of_its_closure():
+def test_a12_source_a_s_equations_are_the_derivatives_of_its_closure():
     """By functions of time and SymPy's own derivative: the printed (10) to (15) as the chapter has them."""
     t = sp.Symbol("t")
     symbols = [sp.symbols(names) for names in ("r_1 v_r a_r", *(f"theta_{k} omega_{k} alpha_{k}" for k in (1, 2, 3)))]
@@ -177,7 +177,7 @@ def test_a_right_derivative_shows_order_two_and_a_wrong_one_order_zero(coriolis,
     np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), order, atol=0.05)
 
 
-def test_listing_e2_as_printed_in_our_copy_has_a_singular_jacobian():
+def test_a13_listing_e2_as_printed_in_our_copy_has_a_singular_jacobian():
     r1, th1, th3, r3 = sp.symbols("r1 th1 th3 r3")
     guide = [sp.sin(th1), r1 * sp.cos(th1), 0]
     assert sp.Matrix([guide, [sp.sin(th1), r1 * sp.cos(th1), -r3 * sp.cos(th3)], guide]).det() == 0

@@ -40,7 +40,7 @@ def test_in_thirds_one_turn_takes_1_942_s_and_ends_at_61_8_rpm():
     assert f"{speed * 30 / np.pi:.1f}" == "61.8"
 
 
-def test_the_triangle_has_42_percent_less_jerk_than_the_thirds_and_takes_15_percent_more_time():
+def test_a14_the_triangle_has_42_percent_less_jerk_than_the_thirds_and_takes_15_percent_more_time():
     """The same peak and the same angle: T^2 (1 - r) stays, and the jerk is peak/(r T)."""
     time_squared = Fraction(2, 3) / Fraction(1, 2)
     assert f"{100 * (float(time_squared) ** 0.5 - 1):.0f}" == "15"

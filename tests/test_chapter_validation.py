@@ -208,7 +208,7 @@ def together():
     return np.array(found), iterations
 
 
-def test_the_simultaneous_solver_has_errors_of_the_order_that_source_a_says_and_its_axis_cuts_many_off():
+def test_a11_the_simultaneous_solver_has_errors_of_the_order_that_source_a_says_and_its_axis_cuts_many_off():
     errors = np.abs(together()[0] - NINE)
     position, velocity, acceleration = errors.max(axis=0).reshape(3, 3).max(axis=1)
     assert 1e-16 < position < 1e-15

@@ -269,7 +269,7 @@ def chain(rng, n):
     return states, torque, loads, SimpleNamespace(accelerations=np.column_stack((al, al2, al3)), forces=pairs)
 
 
-def test_of_the_seventeen_equations_of_source_b_the_solved_form_of_2_and_12_are_wrong_as_printed():
+def test_b13_of_the_seventeen_equations_of_source_b_the_solved_form_of_2_and_12_are_wrong_as_printed():
     states, torque, loads, found = chain(np.random.default_rng(9), 50)
     (cell,) = (c for c in re.findall(r"```\{code-cell\} ipython3\n(.*?)```", PAGE, re.DOTALL) if "printed = {" in c)
     bars = zip((M1, M2, M3, M4, M5), (G1, G2, G3, G4, G5), (I_O, I_A, I_C, I_F, 0), strict=True)

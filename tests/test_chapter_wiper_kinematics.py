@@ -269,7 +269,7 @@ def test_the_listings_say_what_the_geometry_says(chapter):
     assert abs(sum(r * (1j * al - w**2) * np.exp(1j * th) for r, th, w, al in bars)) < 1e-13
 
 
-def test_source_b_s_test_lets_linkages_pass_whose_crank_does_not_turn(chapter):
+def test_b11_source_b_s_test_lets_linkages_pass_whose_crank_does_not_turn(chapter):
     verdicts = {kind: (test, turns) for kind, test, turns in rows(chapter, "linkage")}
     assert [kind for kind, pair in verdicts.items() if pair == ("goes on", "no")] == ["rocker-crank", "double-rocker"]
 

@@ -182,7 +182,7 @@ def test_the_wiper_has_two_assemblies_at_every_crank_angle():
             np.testing.assert_allclose(loop(q, crank), 0, atol=4 * EPSILON)
 
 
-def test_source_b_s_rule_takes_1662_iterations_and_leaves_less_than_the_bound():
+def test_b10_source_b_s_rule_takes_1662_iterations_and_leaves_less_than_the_bound():
     counts, bound, worst = [], 0.0, 0.0
     for crank in np.linspace(0, 2 * np.pi, 361):
         q = SEED
@@ -299,7 +299,7 @@ def test_the_best_step_of_a_difference_is_a_power_of_round_off(kind, power):
     assert abs(np.log10(worst.min() / EPSILON ** (1 - power if kind == "forward" else 2 * power))) < 1.5
 
 
-def test_the_backward_error_of_the_inverse_grows_with_the_condition_and_that_of_the_solve_does_not():
+def test_a15_the_backward_error_of_the_inverse_grows_with_the_condition_and_that_of_the_solve_does_not():
     rng = np.random.default_rng(20)
     solved, inverted = [], []
     for condition in (1e2, 1e6, 1e10, 1e14):

@@ -1,4 +1,4 @@
-"""What source B gets wrong about the wiper (B1 to B9), proven without mechlib."""
+"""What source B gets wrong about the wiper (B1 to B9, B12), proven without mechlib."""
 
 import numpy as np
 import pytest
@@ -197,3 +197,10 @@ def test_b9_the_x_component_of_a_force_of_constant_size_is_not_constant():
     force = friction(*motion()[2])
     assert abs(force.real).min() < 0.5 * RUBBING < abs(force.real).max()
     np.testing.assert_allclose(abs(force), RUBBING)
+
+
+def test_b12_the_350th_point_is_at_349_degrees_and_a_letter_stands_farther_off_than_the_wiper_is_wide():
+    assert np.linspace(0, 360, 361)[350 - 1] == pytest.approx(349)
+    joints, *_ = places()
+    drawn = np.concatenate([np.atleast_1d(joint) for joint in joints.values()])
+    assert np.ptp(drawn.real) < 2 < abs(1 - 3j)
