@@ -1,6 +1,7 @@
-"""Run the pages anew when the code they run has changed: neither Sphinx nor the execution cache looks at it."""
+"""Run the pages anew when what they run or read has changed: neither Sphinx nor the execution cache looks at it."""
 
 import hashlib
+import re
 import shutil
 from pathlib import Path
 
@@ -8,14 +9,23 @@ from sphinx.application import Sphinx
 from sphinx.config import Config
 
 ROOT = Path(__file__).parents[2]
-CODE = ["mechlib/**/*.py", "autograder/**/*.py", "book/engine/*.*", "book/measured/*.json", "requirements.lock"]
+CODE = ["mechlib/**/*.py", "autograder/**/*.py", "book/engine/*.*", "requirements.lock"]
+DATA = ["book/data/*.csv", "book/measured/*.json", "tests/benchmarks/measured/*.json"]
+LINES = {  # of pages and tests, what the page of errata reads
+    "book/*.md": rb"^:::\{admonition\} Source .*",
+    "tests/test_*.py": rb"^def test_[a-d]\d+_\w+",
+}
 
 
 def fingerprint() -> str:
-    """Hash of every file a page may run; another hash, another page."""
+    """Hash of all that a page may run or read; another hash, another page."""
     digest = hashlib.sha256()
-    for path in sorted(path for pattern in CODE for path in ROOT.glob(pattern)):
-        digest.update(path.relative_to(ROOT).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    for pattern in (*CODE, *DATA, *LINES):
+        for path in sorted(ROOT.glob(pattern)):
+            said = path.read_bytes()
+            if pattern in LINES:
+                said = b"\n".join(re.findall(LINES[pattern], said, re.MULTILINE))
+            digest.update(path.relative_to(ROOT).as_posix().encode() + b"\0" + said + b"\0")
     return digest.hexdigest()[:16]
 
 
