@@ -44,18 +44,18 @@ class Drawn:
         error_of_mean = self.mean_allowance(draws, alarm / 2)
         return (draws * (squares + error_of_mean**2) + self.deviation**2) / (draws - 1)
 
-    def mean_fault(self, answer: float, draws: int) -> str | None:
+    def mean_fault(self, answer: float, draws: int, alarm: float = FALSE_ALARM) -> str | None:
         """Why an answer is not the mean of so many draws; None if it may be."""
         off = abs(answer - self.mean)
-        if isfinite(off) and off <= self.mean_allowance(draws):
+        if isfinite(off) and off <= self.mean_allowance(draws, alarm):
             return None
         off /= self.deviation
         return f"its mean is off by {off:.2g} standard deviations, more than chance does with {draws} draws"
 
-    def deviation_fault(self, answer: float, draws: int) -> str | None:
+    def deviation_fault(self, answer: float, draws: int, alarm: float = FALSE_ALARM) -> str | None:
         """Why an answer is not the standard deviation of so many draws; None if it may be."""
         off = abs(answer**2 - self.deviation**2)
-        if isfinite(off) and answer >= 0 and off <= self.variance_allowance(draws):
+        if isfinite(off) and answer >= 0 and off <= self.variance_allowance(draws, alarm):
             return None
         return (
             f"its standard deviation is {answer / self.deviation:.2g} times the true one, "

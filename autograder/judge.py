@@ -186,7 +186,7 @@ def recognise(paper: Paper, trials: Sequence[Trial]) -> Variant | None:
 def _explains(variant: Variant, paper: Paper, trials: Sequence[Trial]) -> bool:
     """Whether a known mistake does what was done in every trial, and in one of them not what is right."""
     task = paper.task
-    same = _same_path if variant.by_path else lambda a, b: task.disagreement(a.outcome, b.outcome) is None
+    same = _same_path if variant.by_path else task.same
     tells = False
     for k, (trial, right) in enumerate(zip(trials, paper.expected, strict=True)):
         if trial.case.kind == variant.kind:

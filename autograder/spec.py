@@ -37,7 +37,7 @@ class Case:
     kind: str = "normal"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trial:
     """A case, what came back, and every evaluation of the case's functions, in order of the arguments."""
 
@@ -110,6 +110,8 @@ class Task:
         always returns nothing, refuses bad input as well.
     cases : random generator -> cases; solvable by construction.
     agree : (expected, got) -> sentence or None; whether two outcomes are the same answer.
+    alike : (trial, trial) -> bool; whether two trials show the same mistake, where the outcomes alone cannot tell, as
+        where chance has a part in them.
     errors : (trial, expected) -> error of each iterate, for a task that iterates; a wrong answer gets a figure of them.
     seconds : time limit of one case.
     section : chapter and section of the book to go back to.
@@ -125,6 +127,7 @@ class Task:
     section: str
     variants: tuple[Variant, ...] = ()
     agree: Callable[[Outcome, Outcome], str | None] | None = None
+    alike: Callable[[Trial, Trial], bool] | None = None
     errors: Callable[[Trial, Trial], np.ndarray | None] | None = None
     seconds: float = 5.0
 
@@ -135,6 +138,12 @@ class Task:
     def disagreement(self, expected: Outcome, got: Outcome) -> str | None:
         """Why two outcomes are not the same answer; None if they are."""
         return self.agree(expected, got) if self.agree else disagreement(expected, got, self.tolerance)
+
+    def same(self, one: Trial, other: Trial) -> bool:
+        """Whether two trials show the same answer."""
+        if self.alike:
+            return self.alike(one, other)
+        return self.disagreement(one.outcome, other.outcome) is None
 
     def draw(self, salt: str, student: str) -> list[Case]:
         """The cases of one student: the same on any computer, unknown without the salt."""
