@@ -12,6 +12,7 @@ from autograder.checks import (
     e09_wiper_inverse_dynamics,
     e10_wiper_direct_dynamics,
     e11_cylinder,
+    e12_monte_carlo,
 )
 from autograder.spec import Exercise, Task
 
@@ -27,6 +28,7 @@ _MODULES = (
     e09_wiper_inverse_dynamics,
     e10_wiper_direct_dynamics,
     e11_cylinder,
+    e12_monte_carlo,
 )
 EXERCISES: dict[str, Exercise] = {module.EXERCISE.name: module.EXERCISE for module in _MODULES}
 
