@@ -27,6 +27,7 @@ POINTS = {  # as the course says
     "09_wiper_inverse_dynamics": [2, 2, 4, 3, 1, 1, 1],
     "10_wiper_direct_dynamics": [4, 3, 2, 2],
     "11_cylinder": [2, 3, 3, 3, 2],
+    "12_monte_carlo": [3, 4, 3, 2, 2],
 }
 
 

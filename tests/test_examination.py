@@ -133,6 +133,36 @@ TOGETHER = {  # two mistakes that are a third
         "The Coriolis acceleration has the wrong sign",
         "The centripetal accelerations point outwards",
     ): "The Coriolis acceleration is missing",
+    (
+        "The branches are exchanged",
+        "It is the open branch, whichever is asked for",
+    ): "It is the crossed branch, whichever is asked for",
+    (
+        "The branches are exchanged",
+        "It is the crossed branch, whichever is asked for",
+    ): "It is the open branch, whichever is asked for",
+    (
+        "rcy cos(theta3) has a minus in Py",
+        "rcy sin(theta3) has a plus in Px",
+    ): "P is on the other side of the coupler",
+    (
+        "rcy cos(theta3) has a minus in Py",
+        "P is on the other side of the coupler",
+    ): "rcy sin(theta3) has a plus in Px",
+    (
+        "rcy sin(theta3) has a plus in Px",
+        "P is on the other side of the coupler",
+    ): "rcy cos(theta3) has a minus in Py",
+    (
+        "The arm is not turned with the frame",
+        "The crank is not turned with the frame",
+    ): "The frame is not turned",
+    ("The frame is not turned", "The frame is not moved"): "The frame is not looked at",
+    (
+        "The half width is taken for the deviation",
+        "The sizes are added",
+    ): "The worst case is given: the sizes are added, with the half widths",
+    ("The throws have no logarithm", "The errors have no logarithm"): "No logarithm is taken",
 }
 WRITTEN = pytest.mark.parametrize("name", STUDENTS)
 DRAWS = pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark.proof)])

@@ -100,6 +100,17 @@ MISTAKES = {
         ("slope * v**2 / 2, G * lifted", "0 * v, G * lifted"),
         ("if off[term, body] > 0.1 else None", "if off[term, body] > 1e-9 else None"),
     ),
+    "12_monte_carlo": (
+        ("(rcx + 1j * rcy) * coupler)", "(rcx - 1j * rcy) * coupler)"),
+        ("results.std(axis=0, ddof=1)", "results.std(axis=0)"),
+        (
+            "rng.uniform(nominal - half_width, nominal + half_width, (throws, 6))",
+            "rng.normal(nominal, half_width, (throws, 6))",
+        ),
+        ("np.sum((gradient * half_width) ** 2, axis=2) / 3", "np.sum((gradient * half_width) ** 2, axis=2)"),
+        ("np.polyfit(np.log(throws), np.log(error), 1)", "np.polyfit(np.log(error), np.log(throws), 1)"),
+        ("if ((coupler / (r1 - A)).imag < 0).any():", "if ((coupler / (r1 - A)).imag < -1).any():"),
+    ),
 }
 
 

@@ -16,6 +16,7 @@ TOGETHER = 6  # survivors that share the draws of their inputs
 
 # Why a mutant may keep its points although it is not the reference, by function and by what is in the mutant's name.
 WAIVED: dict[tuple[str, str], str] = {
+    ("propagate", "seed -> throws"): "any seed will do",
     ("newton", "message"): "the task asks for nothing in the message",
     ("assemblies", "message"): "the task asks for nothing in the message",
     ("jacobian_fd", "constant, line 20: 1.0"): "a step that is a little wider is as good",

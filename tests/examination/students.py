@@ -14,6 +14,7 @@ from examination import (
     students_09,
     students_10,
     students_11,
+    students_12,
 )
 from examination.student import Student
 
@@ -258,4 +259,5 @@ STUDENTS = {
     **students_09.STUDENTS,
     **students_10.STUDENTS,
     **students_11.STUDENTS,
+    **students_12.STUDENTS,
 }

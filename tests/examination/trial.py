@@ -25,7 +25,7 @@ ROUND_OFF = 1e-12
 # Where an aspect looks at the points of evaluation as well, or counts them.
 BY_EVALUATIONS = {"brackets", "newton_1d", "failures", "newton", "jacobian_fd"}
 BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points", "torque_and_forces"}
-BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points", "driven_motion"}
+BY_EVALUATIONS |= {"saw_position", "saw_sweep", "one_point", "all_points", "driven_motion", "propagate"}
 
 
 class Endless(BaseException):
@@ -120,6 +120,10 @@ PARTS: dict[str, Callable[..., int]] = {
     "virtual_power": lambda stroke, *rest: stroke.shape[1],  # points
     "lagrange_terms": lambda stroke, *rest: stroke.shape[1],  # points
     "wrong_term": lambda t, *rest: len(t),  # points
+    "coupler_point": lambda theta2, lengths, *rest: len(lengths),  # linkages
+    "propagate": lambda point, nominal, half_width, throws, *rest: throws,
+    "linear_propagation": lambda theta2, *rest: len(theta2),  # points
+    "wrong_part": lambda theta2, lengths, *rest: len(lengths),  # throws
 }
 
 
