@@ -988,12 +988,10 @@ def is_the_difference(*columns: int) -> Callable:
         if isinstance(found, str):
             return found
         theta2, _, lengths, _ = trial.case.args
+        moved = (four_bar(lengths + step * np.eye(6)) for step in (STEP, -STEP))
+        after, before = (each.coupler_point(theta2[:, None], branch_of(trial)) for each in moved)
         for k in columns:
-            step = STEP * np.eye(6)[k]
-            after, before = (
-                four_bar(lengths + side * step).coupler_point(theta2, branch_of(trial)) for side in (1, -1)
-            )
-            if why := difference((after - before) / (2 * STEP), found[0][..., k], SLOPES):
+            if why := difference((after - before)[:, k] / (2 * STEP), found[0][..., k], SLOPES):
                 return f"by {LENGTHS[k]}: {why}"
         return None
 

@@ -298,24 +298,22 @@ def wrong_part(theta2, lengths, points, linear):
     off_y = abs(sigma[1] - linear[1]) > 0.2 * linear[1]
     seen = bool(off_x or off_y)
     limit = 1e-9
-    arm = loop = branch = True
-    for (r1, r2, r3, r4, rcx, rcy), (x, y) in zip(lengths, points):
-        ax, ay = r2 * math.cos(theta2), r2 * math.sin(theta2)
-        if abs(math.hypot(x - ax, y - ay) - math.hypot(rcx, rcy)) > limit:
-            arm = False
-        theta3 = math.atan2(y - ay, x - ax) - math.atan2(rcy, rcx)
-        scale = math.hypot(x - ax, y - ay) / math.hypot(rcx, rcy)
-        bx, by = ax + scale * r3 * math.cos(theta3), ay + scale * r3 * math.sin(theta3)
-        if abs(math.hypot(bx - r1, by) - r4) > limit:
-            loop = False
-        if (r1 - ax) * (by - ay) + ay * (bx - ax) < 0:
-            branch = False
+    r1, r2, r3, r4, rcx, rcy = lengths.T
+    x, y = points.T
+    ax, ay = r2 * math.cos(theta2), r2 * math.sin(theta2)
+    long = np.hypot(x - ax, y - ay)
+    theta3 = np.arctan2(y - ay, x - ax) - np.arctan2(rcy, rcx)
+    scale = long / np.hypot(rcx, rcy)
+    bx, by = ax + scale * r3 * np.cos(theta3), ay + scale * r3 * np.sin(theta3)
+    arm = abs(long - np.hypot(rcx, rcy)) > limit
+    loop = abs(np.hypot(bx - r1, by) - r4) > limit
+    branch = (r1 - ax) * (by - ay) + ay * (bx - ax) < 0
     part = None
-    if not arm:
+    if any(arm):
         part = "arm"
-    elif not loop:
+    elif any(loop):
         part = "loop"
-    elif not branch:
+    elif any(branch):
         part = "branch"
     return seen, part
 """,
@@ -323,10 +321,13 @@ def wrong_part(theta2, lengths, points, linear):
         "The bars are looked at only where the deviations are off": (
             ("    return seen", "    if not seen:\n        part = None\n    return seen"),
         ),
-        "The arm is not looked at": (("            arm = False", "            pass"),),
-        "The loop is not looked at": (("            loop = False", "            pass"),),
-        "The branch is not looked at": (("            branch = False", "            pass"),),
-        "Only the first throw is looked at": (("zip(lengths, points)", "zip(lengths[:1], points[:1])"),),
+        "The arm is not looked at": (("any(arm)", "False"),),
+        "The loop is not looked at": (("any(loop)", "False"),),
+        "The branch is not looked at": (("any(branch)", "False"),),
+        "Only the first throw is looked at": (
+            ("= lengths.T", "= lengths[:1].T"),
+            ("= points.T", "= points[:1].T"),
+        ),
         "Every difference from the linear deviations counts": (
             ("0.2 * linear[0]", "1e-9 * linear[0]"),
             ("0.2 * linear[1]", "1e-9 * linear[1]"),
