@@ -119,6 +119,7 @@ class FourBar:
         diagonal = np.abs(self.r1 - self.r2 * np.exp(1j * np.asarray(theta2)))
         return np.maximum(diagonal - (self.r3 + self.r4), np.abs(self.r3 - self.r4) - diagonal)
 
+    @np.errstate(divide="ignore", invalid="ignore")
     def position(self, theta2: ArrayLike, branch: Branch = "open", open_points: OpenPoints = "refuse") -> np.ndarray:
         """The unknowns in closed form, on one of the two assembly branches.
 
@@ -153,6 +154,7 @@ class FourBar:
         crank, coupler = self._bars(theta2, branch, open_points)
         return np.stack((np.angle(coupler), np.angle(crank + coupler - self.r1)), axis=-1)
 
+    @np.errstate(divide="ignore", invalid="ignore")
     def coupler_point(
         self, theta2: ArrayLike, branch: Branch = "open", open_points: OpenPoints = "refuse"
     ) -> np.ndarray:
@@ -168,8 +170,7 @@ class FourBar:
         Source D, section 1: the equations for Px and Py.
         """
         crank, coupler = self._bars(theta2, branch, open_points)
-        with np.errstate(invalid="ignore"):
-            point = coupler * ((self.rcx + 1j * self.rcy) / self.r3)
+        point = coupler * (self.rcx / self.r3 + 1j * (self.rcy / self.r3))
         point += crank
         if self.theta0:
             point *= np.exp(1j * self.theta0)
@@ -187,8 +188,7 @@ class FourBar:
         turned = np.exp(1j * theta2)
         coupler = self._from_diagonal(turned.real, branch, open_points)
         crank = (self.r2 + 0j) * turned
-        with np.errstate(invalid="ignore"):
-            coupler *= (self.r1 + 0j) - crank
+        coupler *= (self.r1 + 0j) - crank
         return crank, coupler
 
     def _from_diagonal(self, cosine: np.ndarray, branch: Branch, open_points: OpenPoints) -> np.ndarray:
@@ -202,10 +202,9 @@ class FourBar:
                 point = np.flatnonzero(square == 0)[0]
                 raise ZeroDivisionError(f"A lies on O4 at point {point}: no direction of the rocker is determined")
         factor = np.empty(np.shape(room), complex)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            half = 0.5 / square
-            np.add(half * (self.r3**2 - self.r4**2), 0.5, out=factor.real)
-            np.multiply(np.sqrt(room), half if branch == "open" else -half, out=factor.imag)
+        half = 0.5 / square
+        np.add(half * (self.r3**2 - self.r4**2), 0.5, out=factor.real)
+        np.multiply(np.sqrt(room), half if branch == "open" else -half, out=factor.imag)
         return factor
 
     def branch(self, q: ArrayLike) -> np.ndarray:

@@ -40,7 +40,8 @@ def all_positive(**quantities: ArrayLike) -> None:
     """
     for name, values in quantities.items():
         array = np.asarray(values, dtype=float)
-        _all((array > 0) & (array < np.inf), f"{name} must be a positive number", array)
+        if not (array.min(initial=np.inf) > 0 and array.max(initial=0) < np.inf):  # neither holds for nan
+            _all((array > 0) & (array < np.inf), f"{name} must be a positive number", array)
 
 
 def one_of(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -99,8 +99,9 @@ class Varied(Generic[Machine]):
 
     def __call__(self, parameters: np.ndarray) -> np.ndarray:
         """Shapes (throws, k) -> (throws, ..., m)."""
-        thrown = replace(self.machine, **dict(zip(self.names, parameters.T, strict=True)))
-        return np.moveaxis(self.result(thrown), -2, 0)
+        results = self.result(replace(self.machine, **dict(zip(self.names, parameters.T, strict=True))))
+        throws = results.ndim - 2
+        return results.transpose(throws, *range(throws), throws + 1)
 
     @property
     def nominal(self) -> np.ndarray:

@@ -114,7 +114,8 @@ def in_seconds(text):
     [
         (0, "book/measured/hacksaw.json", "ways"),
         (1, "book/measured/wiper.json", "turn"),
-        (2, "tests/benchmarks/measured/against_nbgrader.json", None),
+        (2, "book/measured/fourbar.json", "ways"),
+        (3, "tests/benchmarks/measured/against_nbgrader.json", None),
     ],
 )
 def test_the_page_of_benchmarks_has_date_computer_and_times_of_the_kept_measurement(number, file, ways):
@@ -125,6 +126,8 @@ def test_the_page_of_benchmarks_has_date_computer_and_times_of_the_kept_measurem
     if ways:
         first = {way: text for _, way, text in reversed(cells(shown))}
         measured = {way: each["seconds"] for way, each in kept[ways].items()}
+        if ways == "ways" and "long" in kept:  # seconds by the number of throws, the fewest first
+            measured = {way: next(iter(each.values())) for way, each in measured.items()}
         assert {way: in_seconds(first[way]) for way in measured} == pytest.approx(measured, rel=0.05)
     else:
         measured = [kept[each][key] for key in ("one submission alone, s", "all, s") for each in ("ours", "nbgrader")]
