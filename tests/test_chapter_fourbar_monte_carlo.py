@@ -228,7 +228,7 @@ def test_near_a_dead_point_the_linear_deviation_grows_like_one_over_a_root_and_t
 
 
 def test_a_share_is_what_the_variance_loses_without_the_length(chapter):
-    turn = np.deg2rad(np.arange(361))
+    turn = np.deg2rad(np.arange(0, 361, 6))
     d = derivatives(angles=turn) ** 2
     np.testing.assert_allclose(chapter["around"].shares, d / d.sum(axis=-1, keepdims=True), atol=1e-7)
     total = d[:-1].sum(axis=(0, 1)) / d[:-1].sum()
@@ -245,7 +245,7 @@ def test_a_share_is_what_the_variance_loses_without_the_length(chapter):
     sigma_x, sigma_y = SIGMA * np.sqrt(d.sum(axis=-1)).T
     assert 5e-6 < min(sigma_x.min(), sigma_y.min())
     assert max(sigma_x.max(), sigma_y.max()) < 12.5e-6
-    assert (abs(sigma_x.argmax() - 180) < 6) and (abs(sigma_y.argmax() - 180) < 6)
+    assert sigma_x.argmax() in (29, 30, 31) and sigma_y.argmax() in (29, 30, 31)  # of sixty, six degrees each
 
 
 def torque(wiper, theta1):
@@ -268,13 +268,13 @@ def test_the_torque_of_the_wiper_and_its_derivatives_are_those_of_the_fifteen_eq
 
 
 def test_the_throws_of_the_wiper_agree_and_its_crank_matters_most(chapter):
-    thrown, by_slope = chapter["wiper_thrown"].deviation, chapter["of_motor"].deviation[::6]
+    thrown, by_slope = chapter["wiper_thrown"].deviation, chapter["of_motor"].deviation[::3]
     assert (np.abs(thrown / by_slope - 1) < 0.05).all()
     shares = chapter["of_motor"].shares[:-1, 0]
     assert (shares.argmax(axis=1) == 1).mean() > 0.5
-    assert shares[240 // 5].argmax() == 3
+    assert shares[240 // 10].argmax() == 3
     assert 0.0007 < chapter["of_motor"].deviation.min() < 0.0012
-    assert chapter["of_motor"].deviation[:, 0].argmax() in (0, 72)
+    assert chapter["of_motor"].deviation[:, 0].argmax() in (0, 36)
     assert 0.007 < chapter["of_motor"].deviation.max() < 0.008
 
 
