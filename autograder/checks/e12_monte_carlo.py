@@ -696,7 +696,7 @@ PROPAGATE = Task(
         ),
         *readings(
             "The standard error stands where the deviation belongs",
-            "Throw four times as often: does the spread of the machines you build become half as large?",
+            "Throw four times as often: does the spread of the mechanisms you build become half as large?",
             propagated(deviation="standard error"),
             propagated(deviation="population's standard error"),
             share=0.5,
@@ -821,7 +821,7 @@ PROPAGATE = Task(
         ),
         Variant(
             "Throws without a result are left out",
-            "Who reads your mean should know that some of the machines cannot be built.",
+            "Who reads your mean should know that some of the mechanisms cannot be built.",
             propagated(of_open=lambda results, throws: results[~np.isnan(results).any(axis=1)]),
             share=0.875,
             kind="open",
