@@ -104,7 +104,7 @@ def test_nothing_is_loaded_from_another_host(html):
     assert found == []
 
 
-@pytest.mark.parametrize("width", [1280, 360])
+@pytest.mark.parametrize("width", [pytest.param(1280, marks=pytest.mark.proof), 360])
 @pytest.mark.parametrize("page", pages())
 def test_page_reads_offline_on_any_screen_and_by_anyone(html, opened, axe, page, width):
     with opened((html / f"{page}.html").as_uri(), width, "light", offline=True) as (tab, trouble):

@@ -147,7 +147,7 @@ def test_a_watch_sees_a_harmless_act_that_nothing_confines(watch):
                 assert watch in harm(world, place, act_for(watch), patience, settling=0.2)
 
 
-@pytest.fixture(scope="module", params=BOTH)
+@pytest.fixture(scope="module", params=["namespaces", pytest.param("landlock", marks=pytest.mark.proof)])
 def field(request):
     """A level, its sandbox, what there is to harm, and what an honest neighbour gets."""
     level = survey()[request.param]
