@@ -11,6 +11,7 @@ import numpy as np
 from autograder.checks.answers import array, arrays, refuses
 from autograder.checks.e05_consecutive import TURN, says_where
 from autograder.checks.e07_closed_form import BESIDE, by_columns, differences
+from autograder.checks.plane import unit
 from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
 from autograder.outcome import Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
@@ -297,10 +298,6 @@ def random_wiper(rng: np.random.Generator) -> Wiper:
         wiper = Wiper(r0, r1, r2, r3, r4, r5, r6)
         if between.max() < np.cos(np.deg2rad(25)) and wiper.grashof == "crank-rocker":
             return wiper
-
-
-def unit(angle) -> np.ndarray:
-    return np.exp(1j * angle)
 
 
 def lengths_of(wiper: Wiper, count: int = 4) -> tuple[float, ...]:

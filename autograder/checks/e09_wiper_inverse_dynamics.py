@@ -8,6 +8,7 @@ import numpy as np
 
 from autograder.checks.answers import array, arrays, refuses, said
 from autograder.checks.e05_consecutive import TURN
+from autograder.checks.plane import xy
 from autograder.compare import Tolerance, difference, disagreement, numbers
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
@@ -28,10 +29,6 @@ TURNS_WITH = [0, 1, 2, 2]  # the angle of each body but the bar, which is in tra
 RUBBED = [FIRST, SECOND]
 
 # --- a wiper that moves -----------------------------------------------------------------------------------------------
-
-
-def xy(z: np.ndarray) -> np.ndarray:
-    return np.stack((z.real, z.imag), axis=-1)
 
 
 def in_the_plane(v: np.ndarray) -> np.ndarray:

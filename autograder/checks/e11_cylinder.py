@@ -8,6 +8,7 @@ import numpy as np
 
 from autograder.checks.answers import array, refuses
 from autograder.checks.e07_closed_form import BESIDE, by_columns, differences
+from autograder.checks.plane import unit
 from autograder.compare import Tolerance, difference, disagreement, numbers, wrong_shape
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
@@ -21,10 +22,6 @@ ANGLES = ("theta2", "theta4")
 OPEN, FLAT = np.deg2rad([35, 125])  # the angle D that the rocker and the cylinder are drawn with
 
 # --- a cylinder that moves --------------------------------------------------------------------------------------------
-
-
-def unit(angle) -> np.ndarray:
-    return np.exp(1j * angle)
 
 
 def words(lengths) -> str:

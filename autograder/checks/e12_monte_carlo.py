@@ -12,6 +12,7 @@ from scipy.special import ndtri
 from autograder.chance import FALSE_ALARM, Drawn
 from autograder.checks.answers import array, arrays, refuses, said
 from autograder.checks.e05_consecutive import TURN
+from autograder.checks.plane import unit, xy
 from autograder.compare import Tolerance, difference, disagreement, numbers
 from autograder.outcome import Lost, Outcome, Raised, Value
 from autograder.spec import Aspect, Case, Exercise, Task, Trial, Variant, readings
@@ -24,17 +25,9 @@ WELL = np.sin(np.deg2rad(25))  # the transmission angle is larger
 EXACT = Tolerance(1e-9, "two ways to write it differ by round-off", absolute=1e-12)
 
 
-def unit(angle) -> np.ndarray:
-    return np.exp(1j * np.asarray(angle))
-
-
 def plane(points) -> np.ndarray:
     """Points of the plane as complex numbers."""
     return np.asarray(points) @ [1, 1j]
-
-
-def xy(points: np.ndarray) -> np.ndarray:
-    return np.stack((points.real, points.imag), axis=-1)
 
 
 def four_bar(lengths) -> FourBar:
